@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from bench import camera_opencv
+from bench import camera_opencv, camera_tracked
 from bench.camera_films import FILMS, CameraFilm, camera_film, feet, feet_stray_mm
 from bench.children import peak_bytes
 from bench.keeping import ROOT, Absent
@@ -104,6 +104,13 @@ def camera(report: Report) -> None:
     for name in FILMS:
         if name not in TURNED:
             _scale(table, camera_film(name))
+    columns = ("tracked mm", "solved mm", "on the floor mm", "tracked px", "on the floor px")
+    camera_tracked.standing(report.table("feet of a body that is tracked", *columns))
+    try:
+        columns = ("still", "panned", "steady")
+        camera_tracked.marks(report.table("the walk at its marks, px", *columns, wide=columns))
+    except Absent as absent:
+        report.note(f"left out: {absent} is not here")
 
 
 def _film(table: Table, film: CameraFilm) -> None:

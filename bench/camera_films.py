@@ -382,18 +382,22 @@ PLANS: dict[str, Callable[[], Plan]] = {
 # --- the real walk, turned
 
 
-def _warped_walk(first: int = 30, last: int = 70, pan_deg: float = 6.0) -> CameraFilm:
-    """The film of someone who walks as a camera had taken it that pans and shakes by 0.3°."""
-    here = clip("walk")
+def warped_turns(first: int = 30, last: int = 70, pan_deg: float = 6.0) -> Array:
+    """(N, 3, 3) how that camera is turned against the one that took the film."""
     n = np.arange(first, last + 1)
     shake = [0.3 * np.sin(1.7 * n), 0.3 * np.sin(1.1 * n), 0.4 * np.sin(0.9 * n)]
     pan = pan_deg * ((n - first) / (last - first) - 0.5)
-    Rs = exp_rotation(np.radians(np.stack([shake[0], pan + shake[1], shake[2]], -1)))
+    return exp_rotation(np.radians(np.stack([shake[0], pan + shake[1], shake[2]], -1)))
+
+
+def _warped_walk(first: int = 30, last: int = 70, pan_deg: float = 6.0) -> CameraFilm:
+    """The film of someone who walks as a camera had taken it that pans and shakes by 0.3°."""
+    here, Rs = clip("walk"), warped_turns(first, last, pan_deg)
     video, beside = _places("warped walk", Rs.tobytes())
     if not (video.is_file() and beside.is_file()):
         _write(_warped(Rs, first), video, beside)
-    Ts = transform(Rs @ Rs[0].T, np.zeros((len(n), 3)))
-    path = CameraPath(Ts, np.ones(len(n)))
+    Ts = transform(Rs @ Rs[0].T, np.zeros((len(Rs), 3)))
+    path = CameraPath(Ts, np.ones(len(Rs)))
     return CameraFilm("warped walk", video, here.camera, path, np.load(beside, mmap_mode="r"))
 
 

@@ -28,10 +28,10 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import joined
 from keypose.tracker.camera_motion import find_camera_motion
 from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.encode import FilmWriter
-from keypose.tracker.video.turning import TurningCamera
 
 PAN_DEG, TREMBLE_DEG = 8.0, (0.0, 0.1, 0.3)
 MOST_PX = {"walk-20": 4.5, "walk-40": 10.0, "person-60": 11.0}
@@ -66,10 +66,17 @@ def _measured(row: Row, table: Table) -> None:
         turned = _turned(here, Rs, f"{degrees:g}")
         poses = _seen(hand.poses, Rs)
         with Video.open(turned.video) as video:
-            for way, turning in (("plain", None), ("steadied", _found(video, turned))):
-                tracker = Tracker(video, turned.camera, hand.skeleton, poses, turning=turning)
+            steady, around = _found(video, turned)
+            for way, more in (
+                ("plain", {}),
+                ("steadied", {"steady": steady}),
+                ("and plate", {"steady": steady, "turns": around}),
+            ):
+                tracker = Tracker(video, turned.camera, hand.skeleton, poses, **more)
                 over, most = _over(row, turned, hand.poses, Rs, tracker), MOST_PX[row.name]
-                expected = [Expected("mean", over[0].median, most, "px")] if turning else []
+                expected = (
+                    [Expected("mean", over[0].median, most, "px")] if way == "and plate" else []
+                )
                 table.row(row.name, f"{degrees:g}°", way, *over, expected=expected)
 
 
@@ -103,15 +110,16 @@ def _seen(poses: Mapping[int, Pose], Rs: Array) -> dict[int, Pose]:
     return seen
 
 
-def _found(video: Video, turned: Clip) -> TurningCamera:
-    """How the camera turned, as its film tells."""
+def _found(video: Video, turned: Clip) -> tuple[SteadyCamera, Array]:
+    """The steady camera, and how that is turned from the world, as the film tells."""
     greys = (
         None if rgb is None else np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), np.uint8)
         for _, rgb in video.frames(0, video.info.frame_count)
     )
     path = find_camera_motion(greys, turned.camera, video.info.frame_count).path
     assert path is not None
-    return TurningCamera.of(path.Ts_camera_world[:, :3, :3])
+    steady = SteadyCamera.along(turned.camera, path)
+    return steady, steady.Rs_steady_camera @ path.Ts_camera_world[:, :3, :3]
 
 
 def _turned(here: Clip, Rs: Array, name: str) -> Clip:

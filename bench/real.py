@@ -22,10 +22,15 @@ from keypose.app.document.defaults import Defaults
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, joined
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.model_files import Model, find_model
 from keypose.tracker.session.settings import Cue, TrackSettings
 from keypose.tracker.storage.tracking import LEAST_FPS
-from keypose.tracker.tracking.cues.sources import DetectedKeypoints
+from keypose.tracker.tracking.cues.sources import (
+    DetectedKeypoints,
+    KeypointSource,
+    SteadyKeypoints,
+)
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
@@ -35,13 +40,17 @@ JITTERS = 8
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A clip between keyframes; its pictures are prepared once for all disturbances of these."""
+    """A clip between keyframes; its pictures are prepared once for all disturbances of these.
+
+    steady: the camera in whose place it is tracked, where its own moves.
+    """
 
     clip: Clip
     video: Video
     skeleton: Skeleton
     keyposes: Mapping[int, Pose]
     prepared: dict[bool, Tracker] = field(default_factory=dict)
+    steady: SteadyCamera | None = None
 
     def tracker(self, static_camera: bool = False, network: Model | None = None) -> Tracker:
         """A tracker of these keyframes, with a picture of the empty scene or without, and with a
@@ -49,9 +58,9 @@ class Posed:
         if static_camera not in self.prepared:
             self.prepared[static_camera] = Tracker(
                 self.video, self.clip.camera, self.skeleton, self.keyposes,
-                static_camera=static_camera,
+                static_camera=static_camera, steady=self.steady,
             )  # fmt: skip
-        source = None
+        source: KeypointSource | None = None
         if network is not None:
             source = DetectedKeypoints(
                 self.video,
@@ -59,6 +68,8 @@ class Posed:
                 model=network,
                 every_second=network.heads is not None and self.video.info.fps >= LEAST_FPS,
             )
+        if source is not None and self.steady is not None:
+            source = SteadyKeypoints(source, self.steady)
         plain = self.prepared[static_camera]
         return plain.renewed(self.skeleton, self.keyposes, keypoints=source)
 

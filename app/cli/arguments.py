@@ -28,7 +28,10 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     ),
     "draft": ("motion", "Draft a pose for every frame, from a box around the person on one frame"),
     "track": ("motion", "Track the motion between the keyframes"),
-    "camera": ("motion", "Find how the camera turned and zoomed, from the background of its film"),
+    "camera": (
+        "motion",
+        "Find how the camera turned, zoomed and moved, from the background of its film",
+    ),
     "stand": ("motion", "Stand the tracked motion on its floor: feet pinned, floor and up found"),
     "review": ("motion", "List the places of the motion to look at, the worst first"),
     "reduce": ("motion", "Reduce a dense motion to a few keyframes"),

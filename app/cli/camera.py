@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 
 import numpy as np
 
 from keypose.app.cli.json_output import print_json
+from keypose.app.cli.long_work import share_reporter
 from keypose.app.document.folder_lock import locked
-from keypose.app.jobs.find_camera import found_words
+from keypose.app.jobs.find_camera import find_saved, found_words
 from keypose.tracker.session import Session
-from keypose.tracker.storage.camera_motion import (
-    FoundCamera,
-    find_camera,
-    keep_points,
-    known_poses,
-    scaled,
-)
-from keypose.tracker.storage.files import load_session, open_video_of, save_session
-from keypose.tracker.storage.results import load_results
+from keypose.tracker.storage.camera_motion import FoundCamera
+from keypose.tracker.storage.files import load_session, save_session
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -32,44 +24,13 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.forget:
             found, after = None, session.changed({"camera_motion": None, "camera_keyframes": ()})
         else:
-            fitting = load_results(session, path).fitting(session)
-            poses = known_poses(session, fitting)
-            with open_video_of(session, path) as video, _reporter(arguments.json) as report:
-                found = find_camera(session, video, poses, arguments.kind, report)
-            keep_points(found)
-            found = scaled(found, session, fitting)
+            with share_reporter(arguments.json) as report:
+                found = find_saved(session, path, arguments.kind, report)
             after = found.applied(session)
         if not arguments.dry_run:
             save_session(after, path)
     _print(found, after, arguments)
     return 0
-
-
-@contextmanager
-def _reporter(as_json: bool) -> Iterator[Callable[[float], None]]:
-    """JSON lines, a bar at a terminal, or nothing: a log needs no progress."""
-    if as_json:
-        said = -1
-
-        def report(share: float) -> None:
-            nonlocal said
-            if int(100 * share) > said:
-                said = int(100 * share)
-                print_json({"event": "progress", "percent": said})
-
-        yield report
-    elif sys.stderr.isatty():
-        from tqdm import tqdm
-
-        with tqdm(total=100, unit="%", file=sys.stderr, dynamic_ncols=True) as bar:
-
-            def draw(share: float) -> None:
-                bar.n = round(100 * share)
-                bar.refresh()
-
-            yield draw
-    else:
-        yield lambda share: None
 
 
 def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namespace) -> None:

@@ -1,4 +1,4 @@
-"""Prepare long work by compiling the loops, and let Ctrl+C or SIGTERM bring it to rest."""
+"""Prepare long work by compiling the loops, report it, and let Ctrl+C or SIGTERM end it."""
 
 from __future__ import annotations
 
@@ -27,6 +27,35 @@ def warm_hull_kernels() -> None:
     if not are_hulls_warm():
         print("Preparing hulls for this computer, once: some ten seconds.", file=sys.stderr)
         warm_hulls()
+
+
+@contextmanager
+def share_reporter(as_json: bool) -> Iterator[Callable[[float], None]]:
+    """JSON lines, a bar at a terminal, or nothing: a log needs no progress."""
+    if as_json:
+        from keypose.app.cli.json_output import print_json
+
+        said = -1
+
+        def report(share: float) -> None:
+            nonlocal said
+            if int(100 * share) > said:
+                said = int(100 * share)
+                print_json({"event": "progress", "percent": said})
+
+        yield report
+    elif sys.stderr.isatty():
+        from tqdm import tqdm
+
+        with tqdm(total=100, unit="%", file=sys.stderr, dynamic_ncols=True) as bar:
+
+            def draw(share: float) -> None:
+                bar.n = round(100 * share)
+                bar.refresh()
+
+            yield draw
+    else:
+        yield lambda share: None
 
 
 Handler: TypeAlias = Callable[[int, FrameType | None], None]

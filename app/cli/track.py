@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from keypose.app.cli.ahead import track_ahead_and_save
 from keypose.app.cli.arguments import order_of
+from keypose.app.cli.long_work import share_reporter
 from keypose.app.cli.outcome import locked_place, track_and_save
 from keypose.app.editor.camera import as_taken
+from keypose.app.jobs.find_camera import find_saved, found_words, is_camera_wanted
 from keypose.app.jobs.rerun import require_trackable, with_settings
 from keypose.app.orders.tracking import FilmTaken, TrackOrder, said
 from keypose.tracker.errors import SessionError
@@ -26,6 +29,20 @@ def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
     return session
 
 
+def _with_camera(session: Session, asked: Session, arguments: argparse.Namespace) -> Session:
+    """The session with its camera's motion, where that is asked for and nobody knows it; its file
+    has it too, unless a copy is tracked."""
+    if not is_camera_wanted(asked):
+        return session
+    with locked_place(arguments) as place, share_reporter(arguments.json) as report:
+        found = find_saved(asked, arguments.session, None, report)
+        session = found.applied(session)
+        if arguments.out is None:
+            save_session(session, place)
+    print(found_words(found), file=sys.stderr, flush=True)
+    return session
+
+
 def run(arguments: argparse.Namespace) -> int:
     session = _as_taken(load_session(arguments.session), arguments)
     if arguments.ahead is None:
@@ -33,7 +50,9 @@ def run(arguments: argparse.Namespace) -> int:
             require_trackable(session.about(body.id), arguments.session)
     elif arguments.frames is not None:
         raise SessionError("--frames is for segments: tracking ahead goes as far as it can.")
-    asked = with_settings(session, order_of(TrackOrder, arguments))
+    order = order_of(TrackOrder, arguments)
+    session = _with_camera(session, with_settings(session, order), arguments)
+    asked = with_settings(session, order)
     if arguments.ahead is not None:
         return track_ahead_and_save(session, asked, arguments)
     if arguments.out is not None and len(session.bodies) > 1:

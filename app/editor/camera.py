@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.documents import ActionRefused, moved_away, valid, with_times
-from keypose.app.editor.frames import to_world
+from keypose.app.editor.frames import to_world, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import CAMERA_UP, up_from_vertical
@@ -45,7 +45,7 @@ class ReadFilm(Edit):
 
 
 class Intrinsics(Edit):
-    """Focal lengths and principal point."""
+    """Focal lengths, of the present frame, and principal point."""
 
     do: Literal["camera"] = "camera"
     verb = "change the camera"
@@ -56,12 +56,14 @@ class Intrinsics(Edit):
 
     def apply(self, state: EditorState) -> Session:
         changes = self.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
+        zoom = zoom_at(state.doc, state.frame)
+        changes |= {name: changes[name] / zoom for name in ("fx", "fy") if name in changes}
         doc = _with_camera(state, {**changes, "origin": "intrinsics"})
         return doc.changed({"lens_source": "calibration"})
 
 
 class FieldOfView(Edit):
-    """A lens whose longer side spans this angle; the distortion stays."""
+    """A lens whose longer side spans this angle at the present frame; the distortion stays."""
 
     do: Literal["field_of_view"] = "field_of_view"
     verb = "change the field of view"
@@ -70,11 +72,13 @@ class FieldOfView(Edit):
     def apply(self, state: EditorState) -> Session:
         old = state.doc.view.camera
         new = Camera.from_field_of_view(old.width, old.height, math.radians(self.deg))
+        new = _without_zoom(state, new)
         return _with_lens(state, new.model_copy(update={"distortion": old.distortion}), "person")
 
 
 class Lens(Edit):
-    """The lens that shows as much on 35 mm film, and who says so; without `mm` a guess.
+    """The lens that shows as much on 35 mm film, and who says so; without `mm` a guess. What a
+    person says is of the present frame.
 
     bent: whether it bends straight edges, as an action camera's does; left out, as before.
     """
@@ -93,6 +97,8 @@ class Lens(Edit):
             camera = Camera.from_focal_length(*size, self.mm)
         bent = {True: BENT, False: STRAIGHT, None: state.doc.view.camera.distortion}[self.bent]
         known = "guess" if self.mm is None else self.known
+        if known == "person":
+            camera = _without_zoom(state, camera)
         return _with_lens(state, camera.model_copy(update={"distortion": bent}), known)
 
 
@@ -198,6 +204,12 @@ def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None 
     if "recorded_fps" not in named:
         return doc
     return with_times(doc, doc.evidence.times_s(file_times_s))
+
+
+def _without_zoom(state: EditorState, seen: Camera) -> Camera:
+    """The camera whose lens is this one at the present frame."""
+    zoom = zoom_at(state.doc, state.frame)
+    return seen.model_copy(update={"fx": seen.fx / zoom, "fy": seen.fy / zoom})
 
 
 def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:

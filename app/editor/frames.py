@@ -19,6 +19,7 @@ from keypose.app.posing import (
     view_rotations,
 )
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewName
 from keypose.tracker.session.schema import Session
@@ -36,6 +37,12 @@ def up_of(doc: Session, frame: int) -> tuple[float, float, float]:
 def up_in_world(doc: Session) -> tuple[float, float, float]:
     """The world's up direction; that of its camera as the film begins, where nobody knows."""
     return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
+
+
+def zoom_at(doc: Session, frame: int) -> float:
+    """The focal length at a frame, as a multiple of the camera's."""
+    path = doc.camera_path
+    return 1.0 if path is None else float(path.zoom[frame])
 
 
 def T_camera_world(doc: Session, frame: int) -> Array:
@@ -69,6 +76,24 @@ def in_world(doc: Session, Ts_camera: Array, frames: ArrayLike) -> Array:
         return Ts_camera
     T = path.Ts_world_camera[np.asarray(frames)]
     return np.asarray(T.reshape(-1, *(1,) * (Ts_camera.ndim - 3), 4, 4) @ Ts_camera)
+
+
+def carried_pose(doc: Session, frame: int, pose: Pose, to: int) -> Pose:
+    """The pose of a frame where it stands in the world, as the camera sees it at another one."""
+    if doc.camera_path is None:
+        return pose
+    return pose.carried(carried_to(doc, to, np.eye(4)[None], [frame])[0])
+
+
+def even_motion(doc: Session, start: Pose, end: Pose, first: int, last: int) -> Trajectory:
+    """The motion from one pose to another that is even in the world, as the camera sees it."""
+    path = doc.camera_path
+    if path is None:
+        return interpolate(start, end, first, last)
+    there = path.between(first, last)
+    Ts = there.Ts_world_camera
+    even = interpolate(start.carried(Ts[0]), end.carried(Ts[-1]), first, last)
+    return even.carried(there.Ts_camera_world)
 
 
 def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:

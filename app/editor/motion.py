@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.frames import T_camera_world, in_world, up_in_world, up_of
+from keypose.app.editor.frames import (
+    T_camera_world,
+    carried_pose,
+    even_motion,
+    in_world,
+    up_in_world,
+    up_of,
+)
 from keypose.app.editor.shown import counts, find, is_met, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import angle_curve_deg, angles_deg, handles
@@ -23,7 +30,7 @@ from keypose.tracker.body.pose import (
     pose_transforms,
 )
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, apply_transform, rotation_from_quaternion
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
@@ -132,9 +139,10 @@ def _untracked(edit: EditorState, start: int, end: int) -> Trajectory:
     if found is not None:
         return found
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
-    known = (find(edit.settled.subject.keyframes, frame) for frame in (start, end))
-    pose = next(keyframe.pose(skeleton) for keyframe in known if keyframe is not None)
-    return interpolate(pose, pose, start, end)
+    doc, known = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
+    at, pose = next((k.frame, k.pose(skeleton)) for k in known if k is not None)
+    begin, finish = (carried_pose(doc, at, pose, frame) for frame in (start, end))
+    return even_motion(doc, begin, finish, start, end)
 
 
 REACH = 30

@@ -10,11 +10,10 @@ from pydantic import Field
 
 from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.frames import T_camera_world, up_of
+from keypose.app.editor.frames import T_camera_world, up_of, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.gesture import Spot
-from keypose.tracker.camera_motion.matches import rotation_from_matches
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import up_from_horizon
@@ -28,13 +27,16 @@ MOST_OFF_PX = 8.0
 
 
 class ForgetCamera(Edit):
-    """The camera as it was before its motion was found: the world is what it sees."""
+    """The camera as it was before its motion was found: the world is what it sees, and whether it
+    stands still is as it was found."""
 
     do: Literal["forget_camera"] = "forget_camera"
     verb = "leave the camera as it was"
 
     def apply(self, state: EditorState) -> Session:
-        return state.doc.changed({"camera_motion": None, "camera_keyframes": ()})
+        settings = state.doc.settings.model_copy(update={"static_camera": None})
+        fields = {"camera_motion": None, "camera_keyframes": (), "settings": settings}
+        return state.doc.changed(fields)
 
 
 class CameraHorizon(Edit):
@@ -54,7 +56,7 @@ class CameraHorizon(Edit):
             raise ActionRefused("Say what is up first: draw the horizon at another frame.")
         here = up_of(doc, frame)
         seen = up_from_horizon(state.camera.without_distortion(), self.a, self.b, here)
-        return _corrected(state, _least_turn(np.array(here), seen), _zoom(doc, frame))
+        return _corrected(state, _least_turn(np.array(here), seen), zoom_at(doc, frame))
 
 
 class CameraMatch(Edit):
@@ -68,13 +70,17 @@ class CameraMatch(Edit):
     there: Annotated[tuple[Spot, ...], Field(min_length=2, max_length=100)]
 
     def apply(self, state: EditorState) -> Session:
+        from keypose.tracker.camera_motion.matches import (  # loads what only this needs
+            rotation_from_matches,
+        )
+
         doc, frame = state.doc, state.frame
         if self.other >= state.frame_count or self.other == frame:
             raise ActionRefused("Mark the same points at another frame of the film first.")
         camera = doc.view.camera.without_distortion()
         try:
             found = rotation_from_matches(
-                np.array(self.there), np.array(self.here), camera, _zoom(doc, self.other)
+                np.array(self.there), np.array(self.here), camera, zoom_at(doc, self.other)
             )
         except CameraError as error:
             raise ActionRefused(str(error)) from None
@@ -116,11 +122,6 @@ def _corrected(state: EditorState, turn: Array, zoom: float) -> Session:
         motion = CameraMotion.of("turns", CameraPath.standing_still(state.frame_count))
     settings = doc.settings.model_copy(update={"static_camera": False})
     return doc.changed({"camera_keyframes": keys, "camera_motion": motion, "settings": settings})
-
-
-def _zoom(doc: Session, frame: int) -> float:
-    path = doc.camera_path
-    return 1.0 if path is None else float(path.zoom[frame])
 
 
 def _least_turn(one: Array, other: Array) -> Array:

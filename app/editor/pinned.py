@@ -104,7 +104,9 @@ def still_range(
     points = _tracked_points(state, pin, start, stop)
     if not np.isfinite(points[frame - start]).all():
         return None
-    first, last = _still_around(points, np.diff(state.times_s[start:stop]), frame - start)
+    eyes = _eyes(state.doc, start, stop)
+    steps_s = np.diff(state.times_s[start:stop])
+    first, last = _still_around(points, eyes, steps_s, frame - start)
     return start + first, start + last
 
 
@@ -126,10 +128,18 @@ def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Arra
     return points
 
 
-def _still_around(points: Array, steps_s: Array, frame: int) -> tuple[int, int]:
+def _eyes(doc: Session, start: int, stop: int) -> Array:
+    """(stop − start, 3) where the camera is in the world, metres."""
+    path = doc.camera_path
+    if path is None:
+        return np.zeros((stop - start, 3))
+    return path.between(start, stop - 1).Ts_world_camera[:, :3, 3]
+
+
+def _still_around(points: Array, eyes: Array, steps_s: Array, frame: int) -> tuple[int, int]:
     if not len(steps_s):
         return frame, frame
-    slow, near = _is_slow(points, steps_s), _is_near(points, frame)
+    slow, near = _is_slow(points, eyes, steps_s), _is_near(points, eyes, frame)
     first = last = frame
     while first > 0 and slow[first - 1] and near[first - 1]:
         first -= 1
@@ -138,23 +148,23 @@ def _still_around(points: Array, steps_s: Array, frame: int) -> tuple[int, int]:
     return first, last
 
 
-def _is_slow(points: Array, steps_s: Array) -> NDArray[np.bool_]:
+def _is_slow(points: Array, eyes: Array, steps_s: Array) -> NDArray[np.bool_]:
     """(F − 1,) whether all points are slow from one frame to the next."""
     steps = np.diff(points, axis=0)
-    speed = _across(steps, points[1:]).max(axis=1) / steps_s
+    speed = _across(steps, points[1:] - eyes[1:, None]).max(axis=1) / steps_s
     half = int(SMOOTHED_S / float(np.median(steps_s)) / 2)
     window = min(2 * half + 1, len(speed))
     return np.asarray(np.convolve(speed, np.full(window, 1 / window), "same") < STILL_M_S)
 
 
-def _is_near(points: Array, frame: int) -> NDArray[np.bool_]:
+def _is_near(points: Array, eyes: Array, frame: int) -> NDArray[np.bool_]:
     """(F,) whether all points are about where they are at one frame."""
-    return np.asarray(_across(points - points[frame], points).max(axis=1) < AWAY_M)
+    return np.asarray(_across(points - points[frame], points - eyes[:, None]).max(axis=1) < AWAY_M)
 
 
-def _across(steps: Array, points: Array) -> Array:
-    """(N, points) lengths of steps at points; along the view they count less."""
-    rays = points / np.linalg.norm(points, axis=-1, keepdims=True)
+def _across(steps: Array, rays: Array) -> Array:
+    """(N, points) lengths of steps at points, seen along rays; along those they count less."""
+    rays = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     along = (steps * rays).sum(axis=-1)
     across = np.linalg.norm(steps - along[..., None] * rays, axis=-1)
     return np.asarray(across + DEPTH_SHARE * np.abs(along))

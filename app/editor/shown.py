@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from keypose.app.editor.documents import ActionRefused, Posed
-from keypose.app.editor.frames import carried_to
+from keypose.app.editor.frames import carried_pose, carried_to
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array, rotation_between
@@ -140,25 +140,17 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
     place = bisect_right([keyframe.frame for keyframe in known], frame)
     if place == 0 or place == len(known):
         nearest = known[min(place, len(known) - 1)]
-        held = _carried(state, nearest.frame, nearest.pose(state.skeleton), frame)
+        held = carried_pose(state.doc, nearest.frame, nearest.pose(state.skeleton), frame)
         return ShownPose(held, "held")
     before, after = known[place - 1], known[place]
     motion = state.between(state.doc, before.frame, after.frame) if state.kept else None
     if motion is not None:
         return ShownPose(motion.pose(frame), "between")
     share = (frame - before.frame) / (after.frame - before.frame)
-    start, end = (_carried(state, k.frame, k.pose(state.skeleton), frame) for k in (before, after))
+    start, end = (
+        carried_pose(state.doc, k.frame, k.pose(state.skeleton), frame) for k in (before, after)
+    )
     return ShownPose(_mixed(start, end, share), "between")
-
-
-def _carried(state: EditorState, frame: int, pose: Pose, to: int) -> Pose:
-    """The pose of a frame where it stands in the world, as the camera sees it at another one."""
-    if state.doc.camera_path is None:
-        return pose
-    T = carried_to(state.doc, to, np.eye(4)[None], [frame])[0]
-    R = pose.Rs_parent_part.copy()
-    R[0] = T[:3, :3] @ R[0]
-    return Pose(R, T[:3, :3] @ pose.p_camera_root + T[:3, 3])
 
 
 def _mixed(start: Pose, end: Pose, share: float) -> Pose:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Literal
 
 from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import require_sound
-from keypose.app.editor.frames import first_pose
+from keypose.app.editor.frames import even_motion, first_pose
 from keypose.app.posing import Readout
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate
+from keypose.tracker.body.trajectory import Trajectory, displaced
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.history import History
@@ -144,7 +144,7 @@ class EditorState:
         )
         if own and self.kept is not None:
             return displaced(self.kept, *given)
-        return interpolate(*given)
+        return even_motion(doc, *given)
 
     def with_repeats(self, repeats: Repeats | None) -> EditorState:
         """The same with the repeated frames of the film, which are no edit; itself where they are

@@ -1,7 +1,8 @@
 """Bring motion from elsewhere to a session, as a first motion. Keyframes are never touched.
 
 Recorded joints live in a world of their own. Where keyframes overlap with them, one rigid transform
-aligns them with the keyframes' joints; without any, they are put upright before the camera.
+aligns them with the keyframes' joints in the world, so that the motion of a camera is none of
+theirs; without any, they are put upright before the camera as it was at the first frame.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from keypose.tracker.formats.joint_motion import JointMotion, World
 from keypose.tracker.formats.joint_names import Matched, match_also, matched
 from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.solver.fit_joints import JointFit, fit_motion, rigid
@@ -95,10 +97,11 @@ def fit_to_session(
     _require_joints(known, motion, file)
     require_limbs(skeleton, known.places, file)
     points = BodyPoints(skeleton, tuple(known.places))
+    path = None if motion.world == "camera" else session.camera_path
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     start, notes = 0, motion.notes
     if offset_s is None:
-        start = _best_start(points, motion, known.indices, times_s, posed)
+        start = _best_start(points, motion, known.indices, times_s, _in_world(path, posed))
         offset_s = float(times_s[start])
         notes += (Note("starts at", (start,)),) if start else ()
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file, len(motion))
@@ -112,7 +115,7 @@ def fit_to_session(
         reached = {first: near[0]}
     ps = ps * scale
     if reached:
-        ps = _on_keyframes(points, ps, first, reached)
+        ps = _on_keyframes(points, ps, first, _in_world(path, reached))
     elif motion.world is None:
         raise FormatError(
             f"{file} does not say in which frame it is: choose its world, or set a keyframe."
@@ -121,15 +124,17 @@ def fit_to_session(
         world = world_at_rest(points, motion.world, motion.rest_m, known.indices)
         notes += () if world == motion.world else (Note("z up at rest"),)
         ps = _before_camera(session, ps, world)
+    if path is not None:
+        ps = _seen(path.between(first, first + len(ps) - 1), ps)
     fit = fit_motion(session.subject.body, known.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
     notes += implausible(skeleton, known.places, bones, size, ps, fit)
     if not reached:
-        notes += lying(fit, np.array(session.world.up_world or UP))
+        notes += lying(session.in_world(fit.trajectory), np.array(session.world.up_world or UP))
     from_keyframes = _from_keyframes(points, fit, reached)
     if from_keyframes > FAR_M:
         notes += (Note("far from keyframes", (100 * from_keyframes,)),)
-    miss_px = _miss_px(session.view.camera, points, fit, ps)
+    miss_px = _miss_px(session, points, fit, ps)
     aligned = tuple(frame for frame in reached if frame in posed)
     return ImportedMotion(fit, known, size, scale, aligned, from_keyframes, miss_px, notes)
 
@@ -228,6 +233,20 @@ def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int,
     return ps @ R.T + p
 
 
+def _in_world(path: CameraPath | None, posed: Mapping[int, Pose]) -> Mapping[int, Pose]:
+    """Poses seen by a camera at their frames, in the world; as they are before one that is it."""
+    if path is None:
+        return posed
+    Ts = path.Ts_world_camera
+    return {frame: pose.carried(Ts[frame]) for frame, pose in posed.items()}
+
+
+def _seen(path: CameraPath, ps_world: Array) -> Array:
+    """Places (N, J, 3) of the world in the camera's frame at every one of N frames."""
+    T = path.Ts_camera_world
+    return np.asarray(ps_world @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3])
+
+
 def _before_camera(session: Session, ps: Array, world: World) -> Array:
     """Upright, as it faces, in the middle of the picture and at a distance that fills it."""
     up = np.array(session.world.up_world or UP, dtype=np.float64)
@@ -280,8 +299,9 @@ def _from_keyframes(points: BodyPoints, fit: JointFit, posed: Mapping[int, Pose]
     return float(np.mean(away)) if away else np.nan
 
 
-def _miss_px(camera: Camera, points: BodyPoints, fit: JointFit, ps: Array) -> Array:
+def _miss_px(session: Session, points: BodyPoints, fit: JointFit, ps: Array) -> Array:
+    camera, path = session.view.camera, session.path_over(fit.trajectory)
     found = points.at(fit.trajectory.transforms(points.skeleton))
     with np.errstate(invalid="ignore", divide="ignore"):
         away = np.linalg.norm(camera.project(found) - camera.project(ps), axis=-1)
-    return np.asarray(np.nanmean(away, axis=-1))
+    return np.asarray(np.nanmean(away, axis=-1) * (1.0 if path is None else path.zoom))

@@ -115,7 +115,8 @@ def _csv(recording: Recording, _order: MotionOrder) -> Sequence[str]:
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
     angles = angles_csv(*motion, recording.joint_angles, recording.up_camera)
     world = recording.world if recording.tracks.tracked.any() else None
-    return joints_csv(*motion, world), angles, frames_csv(recording)
+    joints = joints_csv(*motion, world, recording.ps_seen_joint)
+    return joints, angles, frames_csv(recording)
 
 
 FORMATS: Final[Mapping[MotionFormat, Format]] = {

@@ -14,6 +14,7 @@ import numpy as np
 
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import World
 from keypose.tracker.formats.text import Note
@@ -122,10 +123,10 @@ def world_at_rest(
     return "z up" if (R.T @ _UP_AT_REST)[2] > UPRIGHT else world
 
 
-def lying(fit: JointFit, up_camera: Array) -> tuple[Note, ...]:
-    """A note where the body lies nearly all the time."""
-    up_body = fit.trajectory.Rs_parent_part[:, 0] @ _UP_AT_REST
-    cosine = up_body @ up_camera / np.linalg.norm(up_camera)
+def lying(motion: Trajectory, up: Array) -> tuple[Note, ...]:
+    """A note where the body lies nearly all the time; up (3,) in the frame of the motion."""
+    up_body = motion.Rs_parent_part[:, 0] @ _UP_AT_REST
+    cosine = up_body @ up / np.linalg.norm(up)
     angle = float(np.degrees(np.arccos(np.clip(np.median(cosine), -1.0, 1.0))))
     return (Note("lying", (angle,)),) if angle > LYING_DEG else ()
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
@@ -38,6 +39,34 @@ def found_words(found: FoundCamera) -> str:
     if motion is not None and motion.unscaled:
         words.append(NO_SCALE)
     return " ".join(words)
+
+
+def is_camera_wanted(session: Session) -> bool:
+    """Return whether a session says that its camera's motion is found, and nobody has found it."""
+    unknown = session.view.camera_motion is None and not session.has_static_camera
+    return bool(session.settings.find_camera) and unknown and not session.evidence.has_surface
+
+
+def find_saved(
+    session: Session,
+    path: Path,
+    camera: CameraKind | None = None,
+    report: Callable[[float], None] = lambda share: None,
+) -> FoundCamera:
+    """Find how the camera of a saved session's film moves.
+
+    camera: how it moves, where that is known.  report: receives the share that is done.
+    """
+    from keypose.tracker.storage import camera_motion  # loads what only this needs
+    from keypose.tracker.storage.files import open_video_of
+    from keypose.tracker.storage.results import load_results
+
+    fitting = load_results(session, path).fitting(session)
+    poses = camera_motion.known_poses(session, fitting)
+    with open_video_of(session, path) as video:
+        found = camera_motion.find_camera(session, video, poses, camera, report)
+    camera_motion.keep_points(found)
+    return camera_motion.scaled(found, session, fitting)
 
 
 @dataclass(frozen=True)

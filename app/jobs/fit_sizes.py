@@ -48,12 +48,15 @@ class FitSizes(Fit):
         return fit_sizes(
             video, session.view.camera, session.subject.body, keyposes, focal=self.focal,
             masks=session.view.ignore_masks, cancelled=context.cancelled, up=session.world.up_world,
+            path=session.camera_path,
         )  # fmt: skip
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
             doc.subject.body,
             doc.view.camera,
+            doc.view.camera_motion,
+            doc.view.camera_keyframes,
             doc.view.ignore_masks,
             doc.view.surface,
             doc.subject.keyframes,

@@ -10,7 +10,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.storage import sidecars
 from keypose.tracker.storage.evidence import files_of
 from keypose.tracker.storage.files import open_for_work
-from keypose.tracker.storage.fingerprints import turning_camera
+from keypose.tracker.storage.fingerprints import background_turns, steady_camera
 from keypose.tracker.storage.tracking import fitter_of, steps_of, tracker_of
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
@@ -68,10 +68,8 @@ class WorkerCache:
     def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:
         video = self.video(session, path)
         masks, static = session.view.ignore_masks, session.has_static_camera
-        turning = turning_camera(session)
-        prepared_for = (
-            self._opened, session.view.camera, masks, static, session.camera_path, turning,
-        )  # fmt: skip
+        around = steady_camera(session), background_turns(session) is not None
+        prepared_for = (self._opened, session.view.camera, masks, static, *around)
         if prepared_for != self._prepared_for:
             self._tracker, self._prepared_for = None, prepared_for
         self._tracker = tracker_of(

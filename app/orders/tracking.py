@@ -89,6 +89,11 @@ class TrackOrder:
     static_camera: bool | None = option(
         YesNo(), f"whether the camera is static{_OF_SESSION}, by default detected in the video"
     )
+    find_camera: bool | None = option(
+        YesNo(),
+        "whether the motion of a camera that moves is found first, where it is not known"
+        f"{_OF_SESSION}",
+    )
     cues: tuple[Cue, ...] | None = option(
         _Cues(),
         "what to track from: brightness, keypoints or both, and silhouette, separated by commas"

@@ -4,6 +4,7 @@
 
 import { words } from '../store/clip.js';
 import { ANGLES, DRAGGING, TOOLS, VIEW } from './table/view.js';
+import { CAMERA } from './table/camera.js';
 import { EXPORT, MOTION } from './table/export.js';
 import { FRAMES } from './table/frames.js';
 import { HISTORY, SESSION, THEME } from './table/session.js';
@@ -17,7 +18,7 @@ const FILE = { ...SESSION, ...MOTION, ...EXPORT, ...THEME };
 export const GROUPS = [
   { title: () => 'Frames', actions: { ...FRAMES, ...NOTES } },
   { title: () => 'Pose', actions: { ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS } },
-  { title: () => words().verb, actions: { ...TRACK, ...REVIEW } },
+  { title: () => words().verb, actions: { ...TRACK, ...REVIEW, ...CAMERA } },
   { title: () => 'Tools', actions: TOOLS },
   { title: () => 'Views', actions: { ...VIEW, ...ANGLES } },
   { title: () => 'While dragging', actions: DRAGGING },
@@ -25,7 +26,7 @@ export const GROUPS = [
 ];
 
 export const ACTIONS = {
-  ...FRAMES, ...NOTES, ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS, ...TRACK, ...REVIEW, ...TOOLS, ...VIEW, ...ANGLES, ...DRAGGING, ...FILE,
+  ...FRAMES, ...NOTES, ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS, ...TRACK, ...REVIEW, ...CAMERA, ...TOOLS, ...VIEW, ...ANGLES, ...DRAGGING, ...FILE,
 };
 
 /** @typedef {keyof typeof ACTIONS} ActionId */

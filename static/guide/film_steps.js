@@ -1,8 +1,9 @@
-// The guide for a new film: its lens, the person in it, a draft of every frame, what to confirm. Six
+// The guide for a new film: its lens, the person in it, a draft of every frame, how the camera moved, what to confirm. Six
 // kinds of camera with keys 1 to 6, the focal length on a slider, what the file says.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform, whyNot } from '../actions/actions.js';
+import { cameraKind, cameraWords, isFindingCamera } from '../actions/camera.js';
 import { draftTimeWords, placesWords, smallWords } from '../actions/drafting.js';
 import {
   addForStabiliser, chooseKind, degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, keepLens,
@@ -135,7 +136,7 @@ function distance() {
 const ANSWERS = ['person', 'calibration', 'fitted', 'guess'];
 
 /** @type {import('./steps.js').Step[]} */
-export const IN_FILM = [
+const IN_FILM = [
   {
     word: 'Lens',
     title: 'Which lens?',
@@ -187,6 +188,20 @@ export const IN_FILM = [
     byHand: true,
   },
   {
+    word: 'Camera',
+    title: 'Find how the camera moves',
+    tool: 'select',
+    text: 'The background shows how it pans, tilts, zooms and shakes. Then the floor stays where it is, and feet that stand do not slide.',
+    needed: doesCameraMove,
+    done: () => cameraKind() !== null,
+    again: true,
+    content: cameraLine,
+    get choices() {
+      return cameraKind() === null ? [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }] : undefined;
+    },
+    next: () => (cameraKind() !== null || isFindingCamera() ? null : { label: 'Find its motion', act: () => perform('findCamera') }),
+  },
+  {
     word: 'Review',
     title: 'Confirm the draft',
     tool: 'select',
@@ -198,7 +213,10 @@ export const IN_FILM = [
   },
 ];
 
-export const REVIEW = IN_FILM.length - 1;
+export const DRAFT = IN_FILM.findIndex(({ word }) => word === 'Draft');
+
+/** Those that this film needs. */
+export const filmSteps = () => IN_FILM.filter(({ needed }) => !needed || needed());
 
 /** The film in which upright lines were looked for. */
 let sought = null;
@@ -211,6 +229,17 @@ function findUp() {
 function upLine() {
   if (!isUpKnown()) return nothing;
   return html`<div class="row filesays good">${icon('check')}<span><b>Camera</b> ${tiltWords()}</span></div>`;
+}
+
+/** It was found that the camera does not stand still. */
+function doesCameraMove() {
+  return server.settings?.found_still === false && server.settings.static_camera !== true;
+}
+
+function cameraLine() {
+  if (isFindingCamera()) return html`<p class="num">${server.job.words || `${server.job.title}, ${Math.round(server.job.percent ?? 0)} %`}</p>`;
+  if (cameraKind() === null) return nothing;
+  return html`<div class="row filesays good">${icon('check')}<span>${cameraWords()}</span></div>`;
 }
 
 const isDrafting = () => server.job?.state === 'running' && server.job.kind === 'draft';

@@ -15,7 +15,7 @@ import { interaction, onInteraction } from '../handles/interaction.js';
 import { isDrawingTool } from '../handles/sketch.js';
 import { isDragCoveredBy } from '../handles/floating.js';
 import { carry, covers, coversWords, drawMarks, forgetPulled, mountPulled, placeInCorner } from './places.js';
-import { REVIEW } from './film_steps.js';
+import { DRAFT } from './film_steps.js';
 import { ending, isByHand, isDone, isKept, pathByHand, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
@@ -27,7 +27,7 @@ const GAP_PX = 12;
 const PAUSE_MS = 900; // long enough to see the tick
 const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks'];
+const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks', 'settings', 'camera_motion'];
 
 let wasDone = false; // what was done before its step was shown does not move it on
 let wasKept = false; // nor does a pose that was kept before
@@ -122,18 +122,21 @@ function notice() {
   else if (isDone(step) && !wasDone && !step.again) soonOn(step);
 }
 
-/** A drafted film has its first pose: what to confirm leads on. */
+/** Of a drafted film: the camera's motion where that is not known, else the review. */
+const afterDraft = () => steps().findIndex((step, i) => i > DRAFT && (i === steps().length - 1 || !isDone(step)));
+
+/** A drafted film has its first pose: the step after it is shown. */
 function skipToDraftReview() {
   if (!server.draft?.latest || !isOpen()) return;
   if (isByHand()) setUi('guideStep', null);
-  else show(REVIEW);
+  else show(afterDraft());
 }
 
 /** While every frame is drafted, its step is shown. */
 function followDraft() {
   const { state, kind } = server.job ?? {};
-  const isAsked = isOpen() && !isByHand() && ui.guideStep > 0 && ui.guideStep < REVIEW;
-  if (isAsked && state === 'running' && kind === 'draft') setUi('guideStep', REVIEW - 1);
+  const isAsked = isOpen() && !isByHand() && ui.guideStep > 0 && ui.guideStep <= DRAFT;
+  if (isAsked && state === 'running' && kind === 'draft') setUi('guideStep', DRAFT);
 }
 
 /** Keys of the step, and Enter to go on; elsewhere they are what they always are. */

@@ -6,7 +6,7 @@ import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { fewestKeys, isSurface, words as subject } from '../store/clip.js';
-import { IN_FILM } from './film_steps.js';
+import { filmSteps } from './film_steps.js';
 
 const SIZE = `Hold D and drag the point between the arrows until head and feet match. Dragging up
   makes the body smaller and farther away. If you know the height, set it in the Body tab first.`;
@@ -32,6 +32,7 @@ const SIZE = `Hold D and drag the point between the arrows until head and feet m
  * @property {boolean} [rings]  It needs those of the waist.
  * @property {Choice[]} [choices]
  * @property {string} [also]  Another of the server's keys that does it as well.
+ * @property {() => boolean} [needed]  Where it is of some films alone.
  * @property {() => boolean} [done]  Where the server has no key for it.
  * @property {() => unknown} [content]  More on the card, below the text.
  * @property {() => unknown} [beside]  What stands over the picture meanwhile.
@@ -186,7 +187,8 @@ const IN_SURFACE = [
 /** The steps of the guide for what the session is about. */
 export function steps() {
   if (isSurface()) return IN_SURFACE;
-  return { film: IN_FILM, thing: OF_THING }[ui.guidePath] ?? BY_HAND;
+  if (ui.guidePath === 'film') return filmSteps();
+  return ui.guidePath === 'thing' ? OF_THING : BY_HAND;
 }
 
 /** The way by hand for this body: a thing of one part has no limbs. */

@@ -159,8 +159,11 @@ function sketchLine() {
   const isWarning = ui.tool === 'box' && smallWords() !== '';
   const place = ui.tool === 'box' ? 'low' : '';
   if (!tool.words()) return nothing;
-  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}</div>`;
+  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}${doneButton(tool.done?.())}</div>`;
 }
+
+/** @param {{ label: string, key: string, off: string, act: () => void } | null | undefined} done */
+const doneButton = (done) => (done ? button({ ...done, kind: done.off ? '' : 'pri' }) : nothing);
 
 export function draftbar() {
   const { draft } = server;
@@ -208,11 +211,13 @@ function draw() {
   host.classList.toggle('quad', ui.layout === 'quad');
   render(server.file && server.view ? bars() : nothing, host);
   for (const bar of host.querySelectorAll('.glass')) {
-    // What a draft found is read while the pointer rests where the box was drawn: at the body.
-    const rests = bar.id !== 'mdraft' && isHandleCoveredBy(bar);
-    bar.classList.toggle('faded', interaction.drag !== null || rests);
+    bar.classList.toggle('faded', interaction.drag !== null || (!stays(bar) && isHandleCoveredBy(bar)));
   }
 }
+
+/** What a draft found is read while the pointer rests where the box was drawn: at the body. A drawing tool
+ * with a button grabs nothing of the body. */
+const stays = ({ id }) => id === 'mdraft' || (id === 'mhint' && Boolean(drawingTool()?.done));
 
 function bars() {
   return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${draftbar()}${notebar()}${footbars()}`;

@@ -1,5 +1,6 @@
 // Drawing the horizon: a line over the picture, pulled at its two handles or moved as a whole. As long
-// as the tool is in hand, the horizon of what counts as up is there to begin with.
+// as a tool is in hand, the horizon of what counts as up is there to begin with. One tool sets what is up,
+// the other corrects a camera that moves.
 
 import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
@@ -38,41 +39,57 @@ function offLine([[ax, ay], [bx, by]], [x, y]) {
   return Math.abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / Math.hypot(bx - ax, by - ay);
 }
 
-/** @type {import('./sketch.js').Tool} */
-export const horizon = {
-  icon: 'floor',
-  hints: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
-  /** In the guide its card says it. */
-  words: () => (ui.guideStep === null ? 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.' : ''),
-  /** On a handle, on the line, or where another line begins. */
-  down(view, x, y) {
-    const grip = gripAt(view, [x, y]);
-    interaction.sketch.hold = { grip, from: view.toView([x, y]), at: [x, y], before: lineNow(), line: null };
-  },
-  move,
-  /** What is too short is no line. */
-  up(view, x, y) {
-    move(view, x, y);
-    const { line } = interaction.sketch.hold;
-    interaction.sketch.hold = null;
-    if (!line) return;
-    const [a, b] = onScreen(view, line);
-    if (distance(a, b) >= SHORTEST_PX) sendLine(line);
-  },
-  cancel: () => void (interaction.sketch.hold = null),
-  /** Alt with up or down moves the line, with Shift its right end. */
-  key({ altKey, shiftKey }, name) {
-    const way = KEY_STEPS[name];
-    const line = server.camera.horizon;
-    if (!altKey || !way || !line) return false;
-    const step = way * Math.max(1, KEY_STEP * server.camera.height);
-    const [[left, high], [right, low]] = line;
-    sendLine([[left, shiftKey ? high : high + step], [right, low + step]]);
-    return true;
-  },
-  cursor: (view) => (hotGrip(view) === null ? 'crosshair' : 'move'),
-  draw,
-};
+/**
+ * A tool that draws this line. `what` is the message with which it is sent; `words` say what to do.
+ * @param {'horizon' | 'camera_horizon'} what  @param {() => string} words
+ * @returns {import('./sketch.js').Tool}
+ */
+function lineTool(what, words) {
+  /** @param {Line} line */
+  const sendLine = ([a, b]) => send({ do: what, a, b });
+  return {
+    icon: 'floor',
+    hints: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
+    words,
+    /** On a handle, on the line, or where another line begins. */
+    down(view, x, y) {
+      const grip = gripAt(view, [x, y]);
+      interaction.sketch.hold = { grip, from: view.toView([x, y]), at: [x, y], before: lineNow(), line: null };
+    },
+    move,
+    /** What is too short is no line. */
+    up(view, x, y) {
+      move(view, x, y);
+      const { line } = interaction.sketch.hold;
+      interaction.sketch.hold = null;
+      if (!line) return;
+      const [a, b] = onScreen(view, line);
+      if (distance(a, b) >= SHORTEST_PX) sendLine(line);
+    },
+    cancel: () => void (interaction.sketch.hold = null),
+    /** Alt with up or down moves the line, with Shift its right end. */
+    key({ altKey, shiftKey }, name) {
+      const way = KEY_STEPS[name];
+      const line = server.camera.horizon;
+      if (!altKey || !way || !line) return false;
+      const step = way * Math.max(1, KEY_STEP * server.camera.height);
+      const [[left, high], [right, low]] = line;
+      sendLine([[left, shiftKey ? high : high + step], [right, low + step]]);
+      return true;
+    },
+    cursor: (view) => (hotGrip(view) === null ? 'crosshair' : 'move'),
+    draw,
+  };
+}
+
+/** It says what is up in the world. In the guide its card says what to do. */
+export const horizon = lineTool('horizon', () =>
+  (ui.guideStep === null ? 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.' : ''));
+
+/** It says how the camera is turned at this frame; what is up in the world stays. */
+export const cameraHorizon = lineTool('camera_horizon', () => (server.view.frame === 0
+  ? 'The first frame is the world’s own. Go to a frame where the line is off the horizon.'
+  : `Pull the line onto the horizon: the camera is turned at frame ${server.view.frame}, what is up stays.`));
 
 const hotGrip = (view) => interaction.sketch.hold?.grip ?? gripAt(view, interaction.sketch.pointer);
 
@@ -88,9 +105,6 @@ function changed({ grip, from, before }, to) {
   if (grip === 'line') return before.map(([u, v]) => [u + to[0] - from[0], v + to[1] - from[1]]);
   return before.map((end, i) => (i === grip ? to : end));
 }
-
-/** @param {Line} line */
-const sendLine = ([a, b]) => send({ do: 'horizon', a, b });
 
 function draw(view) {
   const line = lineNow();

@@ -4,6 +4,7 @@ import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { ui } from '../store/state.js';
 import { ALL_VIEWS, view as viewNamed } from '../views/views.js';
+import { drawBackground } from './background.js';
 import { drawBoxCorners } from './boxcorners.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
 import { interaction } from './interaction.js';
@@ -35,6 +36,7 @@ function overlay(view) {
   const drawing = interaction.sketch ? `drawing ${interaction.sketch.tool}-tool` : '';
   const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${dragged} ${drawing} on-${view.name}`;
   return svg`<g class=${classes}>
+    ${drawBackground(view)}
     ${drawMasks(view, targets.masks)}
     ${drawSoles(view)}
     ${drawTrail(view, targets.trail)}

@@ -1,12 +1,13 @@
 // The tools that draw on the picture: the outline of an ignore mask, a line along something upright, the
-// horizon, and the box around a person.
+// horizon, the box around a person, and points that two frames share.
 
 import { nothing } from '../vendor/lit-html/lit-html.js';
 import { ui, setUi } from '../store/state.js';
 import { view as viewNamed } from '../views/views.js';
 import { box } from './box.js';
-import { horizon } from './horizon.js';
+import { cameraHorizon, horizon } from './horizon.js';
 import { interaction, leaveSketch, redrawSoon } from './interaction.js';
+import { cameraMatch } from './match.js';
 import { outline } from './outline.js';
 import { vertical } from './vertical.js';
 
@@ -26,10 +27,11 @@ import { vertical } from './vertical.js';
  * @property {(view: any) => string} [cursor]
  * @property {(view: any) => unknown} draw
  * @property {(view: any) => unknown} [label]  Words over the picture.
+ * @property {() => { label: string, key: string, off: string, act: () => void } | null} [done]  What ends it, as a button.
  */
 
 /** @type {Record<string, Tool>} */
-export const DRAWING = { mask: outline, vertical, horizon, box };
+export const DRAWING = { mask: outline, vertical, horizon, box, cameraHorizon, cameraMatch };
 
 export const isDrawingTool = (tool) => tool in DRAWING;
 

@@ -51,14 +51,18 @@ export function masks() {
   return section(
     'Ignore masks',
     html`${list.map(mask)}${list.length ? nothing : html`<p class="note">
-        Cover what moves but is not the body: a passer-by, a screen, a shadow.
+        Cover what moves but is not the body: a passer-by, a screen, a shadow. It counts neither for
+        tracking nor for the camera’s motion.
       </p>`}
-    ${drawingButton('mask', {
-      name: 'plus', label: 'Draw a mask in the image', busy: 'Click the corners, then press Enter',
-      title: 'Cover what moves but is not the body: click around it',
-    })}`,
+    ${drawMask()}`,
   );
 }
+
+/** The button that takes up the mask tool. */
+export const drawMask = () => drawingButton('mask', {
+  name: 'plus', label: 'Draw a mask in the image', busy: 'Click the corners, then press Enter',
+  title: 'Cover what moves but is not the body: click around it. It counts neither for tracking nor for the camera’s motion',
+});
 
 function mask(one, index) {
   const here = one.first <= server.view.frame && server.view.frame <= one.last;

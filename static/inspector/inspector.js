@@ -6,9 +6,10 @@ import { icon } from '../controls/icons.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/clip.js';
 import { bodyTab, freedom } from './body_tab.js';
+import { cameraMotion } from './camera_motion.js';
 import { cues, keypoints, masks } from './cues.js';
 import { draft } from './draft.js';
-import { film, lens, upright, virtualCamera } from './lens.js';
+import { distortion, film, lens, upright, virtualCamera } from './lens.js';
 import { method } from './method.js';
 import { partTab } from './part_tab.js';
 import { picker } from './picker.js';
@@ -20,7 +21,7 @@ import { surfaces } from './surfaces.js';
 const TABS = {
   part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },
   body: { label: 'Body', title: 'The whole body: preset, height, all sizes', draw: bodyTab },
-  camera: { label: 'Camera', title: 'Lens, up direction, ignored regions, recording rate', draw: cameraTab },
+  camera: { label: 'Camera', title: 'Lens, motion, up direction, ignored regions, recording rate', draw: cameraTab },
   track: { label: 'Track', title: 'Tracking settings and results', draw: trackTab },
 };
 
@@ -33,7 +34,7 @@ const OTHERWISE = {
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
   'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'cues', 'networks', 'keypoints', 'clipboard', 'poses', 'u:timeKeys',
-  'pins', 'proposed_pins', 'floor',
+  'pins', 'proposed_pins', 'floor', 'camera_motion', 'background',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:span', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
   'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone', 'u:allInSpace',
@@ -104,7 +105,7 @@ function turn(event) {
 }
 
 function cameraTab() {
-  return server.camera ? html`${lens()}${upright()}${masks()}${film()}` : nothing;
+  return server.camera ? html`${lens()}${cameraMotion()}${upright()}${masks()}${distortion()}${film()}` : nothing;
 }
 
 function virtualTab() {

@@ -123,9 +123,7 @@ export function lens() {
     ],
   });
   const ways = { lens: focal, view: fieldOfView, intrinsics: () => INTRINSICS.map(intrinsic) };
-  return html`${section('Lens', html`
-    ${line('Known by', choice)}${ways[known]()}${telephoto()}${source()}
-  `)}${distortion()}`;
+  return section('Lens', html`${line('Known by', choice)}${ways[known]()}${telephoto()}${source()}`);
 }
 
 function focal() {
@@ -176,7 +174,8 @@ function telephoto() {
   return html`<p class="note">Telephoto: depth cannot be seen. The scale is exact at ${metres} m.</p>`;
 }
 
-function distortion() {
+/** Of the lens. */
+export function distortion() {
   const ideal = server.camera.distortion.every((value) => value === 0);
   const reset = () => send({ do: 'distortion', ...Object.fromEntries(COEFFICIENTS.map((k) => [k, 0])) });
   return section(

@@ -25,21 +25,9 @@ export function method() {
       label: 'Method', value: name, options: METHODS, act: (id) => send({ do: 'settings', method: id }),
     }))}
     ${qualityLine(name === 'paper' ? 'The published method has only one quality' : '')}
-    ${staticCamera()}${smooth()}
+    ${smooth()}
     ${actionBox('live')}`,
   );
-}
-
-/** Pressing it is a choice, which stands from then on whatever was found. */
-function staticCamera() {
-  const { static_camera: chosen, found_still: found } = server.settings;
-  const byItself = chosen === null && found === true;
-  const use = 'Estimates the background, so that other people and things are ignored';
-  return checkbox({
-    label: byItself ? 'Static camera · found' : 'Static camera', on: chosen ?? found === true,
-    title: byItself ? `The video shows that the camera stands still. ${use}` : use,
-    act: (on) => send({ do: 'settings', static_camera: on }),
-  });
 }
 
 function smooth() {

@@ -68,7 +68,7 @@ function dropZone() {
     </p>
     ${ui.upload ? uploadCard() : buttons()}
     <p class="dim kinds">
-      MP4, MOV, MKV, WebM, AVI and others · one steady camera<br />or a mesh sequence (3D scans):
+      MP4, MOV, MKV, WebM, AVI and others · one camera, still or moving<br />or a mesh sequence (3D scans):
       <button class="textlink" @click=${() => openChooser('meshes')}>Choose surfaces…</button>
     </p>
   </div>`;

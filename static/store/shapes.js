@@ -475,7 +475,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'space' | 'drafts'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'camera' | 'space' | 'drafts'} kind
  * @property {'good' | 'check' | 'lost' | null} worst  The verdict of its worst segment, once it has tracked some.
  */
 

@@ -1,6 +1,7 @@
 // The marks of the timeline. Where two lie over each other the pointer means the one that stands first here.
 
 import { isIn } from './draw/scale.js';
+import { cameraFinding, cameraKey, cameraLane } from './marks/camera.js';
 import { curveKey } from './marks/curve_keys.js';
 import { draft } from './marks/drafts.js';
 import { frames } from './marks/frames.js';
@@ -39,7 +40,7 @@ import { span } from './marks/span.js';
  * @typedef {object} Mark
  * @property {string} kind
  * @property {Layer[]} [layers]
- * @property {'keys'} [row]  The row that it is hit in alone.
+ * @property {'keys' | 'camera'} [row]  The row that it is hit in alone.
  * @property {(place: Place, stage: Stage) => any} [hit]
  * @property {string | ((what: any) => string)} [cursor]
  * @property {boolean} [edits]
@@ -53,8 +54,8 @@ import { span } from './marks/span.js';
 
 /** @type {Mark[]} */
 export const MARKS = [
-  selection, span, edge, overview, note, reviewPlace, keyframe, partKeyframe, draft, segment, keysRow, pin, proposal, lane,
-  scoreChart, curveKey, proposedKeyframes, frames,
+  selection, span, edge, overview, note, reviewPlace, keyframe, partKeyframe, draft, segment, keysRow, cameraKey, cameraFinding, cameraLane, pin,
+  proposal, lane, scoreChart, curveKey, proposedKeyframes, frames,
 ];
 
 export const markOf = (kind) => MARKS.find((mark) => mark.kind === kind);

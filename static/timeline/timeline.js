@@ -5,7 +5,7 @@ import { html, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { anyLane, lanesOf } from './marks/lanes.js';
 import { bottomOf } from './marks/scores.js';
-import { followPins, hasPins, watchPointer } from './pin_row.js';
+import { followRows, hasCamera, hasPins, watchPointer } from './more_rows.js';
 import { drawBar, show } from './bar.js';
 import { areFolded, isZoomed, mountFold, reveal } from '../actions/window.js';
 import { noticeZoom, showOpened } from './opening.js';
@@ -27,7 +27,7 @@ import { memoize } from './draw/series.js';
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'draft', 'reduction', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
-  'pins', 'proposed_pins', 'notes', 'u:timePin', 'review', 'u:review', 'u:reviewGoal', 'u:reviewLeft',
+  'pins', 'proposed_pins', 'camera_motion', 'notes', 'u:timePin', 'review', 'u:review', 'u:reviewGoal', 'u:reviewLeft',
   'u:timeKeys', 'u:span', 'u:loop', 'u:speed', 'u:shuttle',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
@@ -80,13 +80,13 @@ function measure(drawing) {
   setUi('timeSize', { width, height });
 }
 
-const rows = memoize((height, zoomed, lanes, weakest, pins) => rowsFor({ height, zoomed, lanes, weakest, pins }));
+const rows = memoize((height, zoomed, lanes, weakest, pins, camera) => rowsFor({ height, zoomed, lanes, weakest, pins, camera }));
 
 /** @returns {import('./marks.js').Stage} */
 function ground() {
   const folded = areFolded() || isCramped(ui.timeSize.height);
   const lanes = lanesOf(server.lanes, server.body, folded, ui.timeOpen);
-  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded, hasPins());
+  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded, hasPins(), hasCamera());
   const most = Math.max(0, box.lanes.full - box.lanes.room);
   // Whole lanes: a wheel of fine steps adds up until the next one comes.
   const scroll = Math.round(Math.min(ui.timeScroll, most) / box.lanes.each) * box.lanes.each;
@@ -102,7 +102,7 @@ let before = { clip: null, frame: null };
 
 function redraw(bar, drawing, drawLayers) {
   follow();
-  followPins();
+  followRows();
   noticeZoom();
   render(drawBar(), bar);
   show(bar.querySelector('.fbox input'));

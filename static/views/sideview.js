@@ -1,6 +1,7 @@
 // The body from above, from the side or from the front, on squared paper.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
+import { clamp } from '../controls/arithmetic.js';
 import { server, ui } from '../store/state.js';
 import { parallelEye } from './cameras.js';
 import { hasBody } from './freescene.js';
@@ -10,6 +11,10 @@ const STEPS_M = [0.1, 0.5, 1, 5, 10, 50, 100];
 const CLOSEST_PX = 14;
 const BARS_M = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 const LONGEST_BAR_PX = 96;
+/** Of the camera's sign from a border. */
+const SIGN_PX = 14;
+/** So high is the scale at the lower border. */
+const SCALE_PX = 16;
 
 /** Lines for what a window shows: fine, coarse, and the two through the camera. */
 export function gridLines(window) {
@@ -104,16 +109,25 @@ export class SideView extends View {
     return svg`<path class="floor" d=${`M0 ${y.toFixed(1)}H${this.window.width}`} />`;
   }
 
-  /** Where the camera stands, at the border it lies beyond. */
+  /** Where the camera stands, at the border it lies beyond. One that moves stands where it is, and points
+   * where it looks. */
   cameraSign() {
     const { width, height } = this.window;
     if (this.name === 'front') return nothing;
-    const below = `${this.isInLargePlace ? width / 2 : width - 16} ${height - 14}`;
-    const at = this.name === 'top' ? below : `14 ${height / 2}`;
-    const turn = this.name === 'top' ? -90 : 0;
-    return svg`<g class="camera" transform="translate(${at}) rotate(${turn})">
+    const usual = this.name === 'top' ? [this.isInLargePlace ? width / 2 : width - SIGN_PX - 2, height - SIGN_PX] : [SIGN_PX, height / 2];
+    const { at, turn } = server.camera_motion?.counts && this.eye ? this.cameraHere() : { at: usual, turn: this.name === 'top' ? -90 : 0 };
+    return svg`<g class="camera" transform="translate(${at.join(' ')}) rotate(${turn})">
       <rect x="-5.5" y="-4" width="8" height="8" rx="1.5" />
       <path d="M2.5-1.5 6.5-4v8L2.500 1.500" /></g>`;
+  }
+
+  /** The camera of the present frame, kept within the view. */
+  cameraHere() {
+    const { width, height } = this.window;
+    const [x, y] = this.project([0, 0, 0]);
+    const [ahead, down] = this.project([0, 0, 1]);
+    const at = [clamp(x, SIGN_PX, width - SIGN_PX), clamp(y, SIGN_PX, height - SIGN_PX - SCALE_PX)].map((px) => px.toFixed(1));
+    return { at, turn: ((Math.atan2(down - y, ahead - x) * 180) / Math.PI).toFixed(1) };
   }
 
   marks() {

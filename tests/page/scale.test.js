@@ -121,6 +121,17 @@ test('pins have a row between the lanes and the curve, and a thin line beside th
   assert.ok(folded.curve.y > folded.pins.y + folded.pins.h);
 });
 
+test('the camera has its row between keyframes and lanes, also in a low timeline', () => {
+  for (const [height, lanes, weakest] of [[240, 5, false], [148, 1, true], [232, 0, false]]) {
+    const rows = scale.rowsFor({ height, zoomed: false, lanes, weakest, pins: true, camera: true });
+    assert.equal(rows.camera.y, rows.keys.y + rows.keys.h);
+    assert.ok(rows.camera.h >= 16);
+    assert.ok(rows.lanes.y >= rows.camera.y + rows.camera.h);
+    assert.ok(rows.pins.y >= rows.camera.y + rows.camera.h);
+    assert.equal(scale.rowsFor({ height, zoomed: false, lanes, weakest, pins: true }).camera, null);
+  }
+});
+
 test('pins have their row also where there are no lanes yet', () => {
   const rows = scale.rowsFor({ height: 232, zoomed: false, lanes: 0, weakest: false, pins: true });
   assert.ok(rows.pins.y >= rows.keys.y + rows.keys.h);

@@ -18,13 +18,18 @@ from keypose.app.jobs.fit_pose import FitOutcome
 from keypose.app.jobs.fit_sizes import SizesPreview
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState, KnownKeypoints
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.camera_motion import FollowedPoints
 from keypose.tracker.fitting.sizes import Proposal, SizesFitted
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.annotations import Drafted
+from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.storage.camera_motion import FoundCamera, keep_points
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting, seen, some_errors
+from tests.tracker import panned_cases
 
 SHAPES = Path(static.__file__).parent / "store" / "shapes.js"
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)
@@ -96,6 +101,29 @@ def drafted() -> AppState:
     return AppState(edit=edit, keypoints=KnownKeypoints(of_file=seen))
 
 
+def panned() -> AppState:
+    """A film whose camera pans, corrected by a person, its background points shown and kept."""
+    flawed = CameraFinding(kind="no_texture", first_frame=3, last_frame=5)
+    errors = np.where(np.arange(panned_cases.FRAMES) == 4, np.nan, 0.1)
+    motion = CameraMotion.of("turns", panned_cases.path(), errors, (flawed,))
+    points = FollowedPoints(
+        np.full((2 * panned_cases.FRAMES, 2), 9.0, np.float32),
+        np.tile([True, False], panned_cases.FRAMES),
+        np.arange(0, 2 * panned_cases.FRAMES + 1, 2),
+    )
+    keep_points(FoundCamera("turns", motion, points, (flawed,), None))
+    doc = panned_cases.session(motion).with_up((0.0, -1.0, 0.0))
+    edit = EditorState(
+        doc=doc,
+        skeleton=Skeleton.of(doc.subject.body),
+        file_times_s=np.arange(panned_cases.FRAMES) / 25,
+        opening=doc.subject.keyframes[0].pose(Skeleton.of(doc.subject.body)),
+        frame=7,
+    )
+    horizon = {"do": "camera_horizon", "a": [0, 91], "b": [319, 90]}
+    return AppState(edit=after(edit, {"do": "display", "background": True}, horizon))
+
+
 def outlooks() -> dict[str, AppState]:
     masked = after(
         desk(),
@@ -116,11 +144,18 @@ def outlooks() -> dict[str, AppState]:
         "previewed": AppState(edit=masked, preview=previewed(masked)),
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
         "drafted": drafted(),
+        "panned": panned(),
     }
 
 
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is kept for this user is kept here."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
 @pytest.mark.parametrize(
-    "name", ["film", "expecting", "dragged", "pinned", "masked", "surfaces", "drafted"]
+    "name", ["film", "expecting", "dragged", "pinned", "masked", "surfaces", "drafted", "panned"]
 )
 def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
     shapes, sections = declared(), Sections().changed(outlooks()[name])
@@ -131,6 +166,9 @@ def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
         for words in differences(value, shapes["Sections"][section], shapes, section)
     ]
     assert found == []
+    if name == "panned":
+        assert sections["camera_motion"]["keys"] == [7]
+        assert sections["background"]["good"] == [True, False]
 
 
 def test_what_can_be_opened_has_the_fields_that_the_page_declares(tmp_path: Path) -> None:

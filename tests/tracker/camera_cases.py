@@ -36,8 +36,7 @@ def texture(seed: int, height: int = 1000, width: int = 2400) -> Grey:
 
 def rendered(camera: Camera, R: Array, zoom: float = 1.0, seed: int = 0) -> Grey:
     """The picture of a far cylinder that a camera takes, turned R from the world."""
-    f = {"fx": camera.fx * zoom, "fy": camera.fy * zoom}
-    zoomed, around = camera.model_copy(update=f), texture(seed)
+    zoomed, around = camera.zoomed(zoom), texture(seed)
     uv = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
     x, y, z = np.moveaxis(zoomed.back_project(uv.astype(float), 1.0) @ R, -1, 0)
     scale, (height, width) = 1.1 * camera.fx, around.shape

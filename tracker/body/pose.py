@@ -35,6 +35,12 @@ class Pose:
         """Writable copies of both arrays: the loops are compiled for that kind only."""
         return self.Rs_parent_part.copy(), self.p_camera_root.copy()
 
+    def carried(self, T: Array) -> Pose:
+        """The pose in another frame: T (4, 4) of that frame and this one."""
+        R = self.Rs_parent_part.copy()
+        R[0] = T[:3, :3] @ R[0]
+        return Pose(R, T[:3, :3] @ self.p_camera_root + T[:3, 3])
+
     @classmethod
     def rest(cls, skeleton: Skeleton, p_camera_root: tuple[float, float, float]) -> Pose:
         """The rest pose, its root at the given place."""

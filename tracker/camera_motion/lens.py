@@ -28,8 +28,7 @@ class Lens:
 
     def scaled(self, by: float) -> Lens:
         """The same lens with another focal length."""
-        f = {"fx": self.camera.fx * by, "fy": self.camera.fy * by}
-        return Lens(self.camera.model_copy(update=f))
+        return Lens(self.camera.zoomed(by))
 
     def flat(self, uv: Array, zoom: float) -> Array:
         """Where an ideal lens at zoom 1 would show the pixels (K, 2), focal lengths from the

@@ -1,8 +1,9 @@
 """The motion as three tables of comma-separated values, one row per frame.
 
 joints: `frame`, `time_s`, then `<joint>_x_m`, `<joint>_y_m`, `<joint>_z_m` for every joint and
-landmark: metres in the camera frame, x right, y down, z away from the camera. Then the same as
-`<joint>_world_x_m` in the world of all files, y up, the floor at zero.
+landmark: metres in the camera frame, x right, y down, z away from the camera; of one that moves, as
+it was at that frame. Then the same as `<joint>_world_x_m` in the world of all files, y up, the
+floor at zero.
 
 angles: `frame`, `time_s`, then `<part>_rz_deg`, `<part>_ry_deg`, `<part>_rx_deg` for every part:
 degrees of its rotation in its parent's frame (the root's: the camera frame), R = Rz·Ry·Rx. Then
@@ -72,17 +73,20 @@ def joints_csv(
     trajectory: Trajectory,
     times_s: Sequence[float] | Array,
     world: Ground | None = None,
+    ps_seen: Array | None = None,
 ) -> str:
     """The table of joint positions; `times_s` (N,) are the times of the trajectory's frames.
 
     world: None where it is not known; its columns are left out then.
+    ps_seen (N, J, 3): the positions before a camera that moves, in its own frame at every frame.
     """
     names, ps_camera = column_names(skeleton), trajectory.joints(skeleton)
+    seen = ps_camera if ps_seen is None else ps_seen
     columns = [f"{name}_{axis}_m" for name in names for axis in "xyz"]
     if world is None:
-        return _table(trajectory, times_s, columns, ps_camera)
+        return _table(trajectory, times_s, columns, seen)
     columns += [f"{name}{IN_WORLD}_{axis}_m" for name in names for axis in "xyz"]
-    both = np.concatenate([ps_camera, world.points(ps_camera)], axis=1)
+    both = np.concatenate([seen, world.points(ps_camera)], axis=1)
     return _table(trajectory, times_s, columns, both)
 
 

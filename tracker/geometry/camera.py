@@ -108,6 +108,12 @@ class Camera(BaseModel):
         """The same camera with an ideal lens: what `rectify` turns its pictures into."""
         return self.model_copy(update={"distortion": (0.0,) * 5})
 
+    def zoomed(self, ratio: float) -> Camera:
+        """The same camera with a focal length so many times as long."""
+        if ratio == 1.0:
+            return self
+        return self.model_copy(update={"fx": self.fx * ratio, "fy": self.fy * ratio})
+
     def depth(self, p_camera: Array) -> Array:
         """The distances (...) by which points (..., 3) are divided: z, or telephoto's one."""
         if self.telephoto_distance_m is not None:

@@ -96,17 +96,7 @@ class CameraPath:
 
     def camera_at(self, camera: Camera, frame: int) -> Camera:
         """The film's camera with the focal length of one frame."""
-        if self.zoom[frame] == 1.0:
-            return camera
-        f = {"fx": camera.fx * self.zoom[frame], "fy": camera.fy * self.zoom[frame]}
-        return camera.model_copy(update=f)
-
-
-def at_one_focal(uv: Array, camera: Camera, zoom: Array | float) -> Array:
-    """Pixels (..., 2) taken at so much zoom (...) where the camera sees the same at its own focal
-    length."""
-    centre = (camera.cx, camera.cy)
-    return np.asarray((uv - centre) / np.asarray(zoom)[..., None] + centre)
+        return camera.zoomed(float(self.zoom[frame]))
 
 
 TIED = 1e-9

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.camera_path import at_one_focal
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.person_mask import PersonMask
 
 if TYPE_CHECKING:
@@ -76,16 +75,15 @@ class Keypoints:
         masks = None if self.masks is None else tuple(self.mask(frame) for frame in frames)
         return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand, masks)
 
-    def at_one_focal(self, camera: Camera, zoom: Array) -> Keypoints:
-        """As the camera sees them at its own focal length. zoom (F,): of every frame of the film,
-        as a multiple of that."""
-        own = zoom[self.first_frame : self.last_frame + 1]
+    def steadied(self, steady: SteadyCamera) -> Keypoints:
+        """As a steady camera would have seen them."""
+        frames = range(self.first_frame, self.last_frame + 1)
+        pixels = [steady.pixels(uv, frame) for uv, frame in zip(self.uv, frames, strict=True)]
         masks = self.masks and tuple(
-            mask and mask.at_one_focal(camera, float(share))
-            for mask, share in zip(self.masks, own, strict=True)
+            mask and mask.steadied(steady, frame)
+            for mask, frame in zip(self.masks, frames, strict=True)
         )
-        uv = at_one_focal(self.uv, camera, np.repeat(own[:, None], self.uv.shape[1], axis=1))
-        return replace(self, uv=uv, masks=masks)
+        return replace(self, uv=np.array(pixels).reshape(self.uv.shape), masks=masks)
 
     def mask(self, frame: int) -> PersonMask | None:
         """Return where the person is in the picture of a frame; None where that is unknown."""

@@ -10,9 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.camera_path import at_one_focal
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.region import Region
 
 MASK_SIDE: Final = 256
@@ -34,13 +33,16 @@ class PersonMask:
         levels = np.round(np.nan_to_num(share) * FULL_LEVEL).astype(np.uint8)
         return cls(region, zlib.compress(levels.tobytes()))
 
-    def at_one_focal(self, camera: Camera, zoom: float) -> PersonMask:
-        """The mask in the picture as the camera takes it at its own focal length."""
+    def steadied(self, steady: SteadyCamera, frame: int) -> PersonMask:
+        """The mask in the picture that a steady camera would have taken of a frame."""
         region = self.region
-        x, y = at_one_focal(np.array([region.x, region.y]), camera, zoom)
-        return replace(
-            self, region=replace(region, x=float(x), y=float(y), side=region.side / zoom)
-        )
+        up = (np.sin(region.turn_rad), -np.cos(region.turn_rad))
+        ends = np.array([region.x, region.y]) + np.outer([0.0, 0.5 * region.side], up)
+        (x, y), top = steady.pixels(ends, frame)
+        way = top - (x, y)
+        return replace(self, region=Region(
+            float(x), float(y), 2 * float(np.hypot(*way)), float(np.arctan2(way[0], -way[1]))
+        ))  # fmt: skip
 
     def levels(self) -> NDArray[np.uint8]:
         """(256, 256) from 0 to `FULL_LEVEL`; ValueError where what is packed is none."""

@@ -222,7 +222,7 @@ def _place(
     depth = float(known.camera.depth(end))
     if depth <= 0:
         return None
-    scale = float(np.sqrt(known.camera.fx * known.camera.fy)) / depth
+    scale = known.px_per_m_at(depth, frame)
     cm = None if px is None or known.guessed else 100 * px / scale
     joints = np.concatenate([Ts[list(limb), :3, 3], ends])
     return Place(why, frame, part, frames, px, cm, end, scale, joints)

@@ -17,6 +17,7 @@ from keypose.tracker.body.pose import part_transforms, pose_transforms
 from keypose.tracker.body.ray_parts import parts_on_ray
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import NEAR_M
 from keypose.tracker.review.segment_errors import gain
@@ -38,6 +39,7 @@ class JudgedSegments:
     """tracks: by their spans.  parts: names.  reviewed: what a person said of the motion.
 
     skeleton, camera: None where only verdicts and gains are asked for.
+    path: of the camera over the film; None where it stands still.
     guessed: whether the lens is a guess, so that nobody knows centimetres.
     halves: whether one keyframe more divides a segment, as it does in a film.
     """
@@ -46,6 +48,7 @@ class JudgedSegments:
     parts: Sequence[str] = ()
     skeleton: Skeleton | None = None
     camera: Camera | None = None
+    path: CameraPath | None = None
     guessed: bool = False
     reviewed: tuple[Reviewed, ...] = ()
     halves: bool = True
@@ -63,6 +66,7 @@ class JudgedSegments:
             parts=doc.subject.body.names,
             skeleton=Skeleton.of(doc.subject.body),
             camera=doc.view.camera,
+            path=doc.camera_path,
             guessed=doc.view.lens_is_guess,
             reviewed=doc.subject.reviewed,
             halves=not doc.evidence.has_surface,
@@ -119,7 +123,13 @@ class JudgedSegments:
         path, row = track.trajectory, frame - track.first
         Ts = part_transforms(self.skeleton, path.Rs_parent_part[row], path.ps_camera_root[row])
         depth = float(self.camera.depth(Ts[self.index(part), :3, 3]))
-        return math.sqrt(self.camera.fx * self.camera.fy) / depth if depth > 0 else None
+        return self.px_per_m_at(depth, frame) if depth > 0 else None
+
+    def px_per_m_at(self, depth: float, frame: int) -> float:
+        """Pixels that a metre across the line of sight spans at a depth, metres, at a frame."""
+        assert self.camera is not None
+        camera = self.camera if self.path is None else self.path.camera_at(self.camera, frame)
+        return math.sqrt(camera.fx * camera.fy) / depth
 
     def height_px(self, track: SegmentResult) -> float | None:
         """Return how tall the body is in the picture in the middle of a segment; None where nobody

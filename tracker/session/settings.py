@@ -93,6 +93,12 @@ class TrackSettings(Plain):
         description="The camera stands still: a background plate keeps foreign pixels out. Null: "
         "as it was found in the film, `video.stands_still`.",
     )
+    find_camera: bool | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="Tracking without a page first finds how the camera moves, where that is not "
+        "known and it does not stand still. Left out: not, as before.",
+    )
     cues: Cues | None = Field(
         default=None,
         exclude_if=is_unknown,

@@ -38,7 +38,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
-from keypose.tracker.storage.fingerprints import Span, turning_of
+from keypose.tracker.storage.fingerprints import Span, steady_camera, turns_of
 from keypose.tracker.storage.space import frames_per_second
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
@@ -246,13 +246,14 @@ def background_picture(session: Session, video: Video) -> NDArray[np.uint8]:
     and latitudes down, black where it is not known; of about the size that the film is tracked at.
     CameraError where the camera does not turn.
     """
-    motion, path = session.view.camera_motion, session.camera_path
-    if motion is None or path is None or motion.kind != "turns":
+    motion, steady = session.view.camera_motion, steady_camera(session)
+    if motion is None or steady is None or motion.kind != "turns":
         raise CameraError("The background is put together of a camera that turns: find it first.")
-    camera, zoom = session.view.camera, path.zoom if path.zooms else None
+    camera = session.view.camera
     loader = ClipLoader(
-        video, camera, WorkingSize.for_camera(camera, 1), zoom=zoom, turning=turning_of(motion)
-    )
+        video, camera, WorkingSize.for_camera(camera, 1), steady=steady,
+        turns=turns_of(camera, motion),
+    )  # fmt: skip
     return loader.panorama_in_colour().picture
 
 

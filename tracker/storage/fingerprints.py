@@ -21,20 +21,21 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array, frozen, rotation_from_quaternion
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
-from keypose.tracker.video.turning import TurningCamera
 
 Span: TypeAlias = tuple[int, int]
 """First and last frame of a segment, as in Session.spans."""
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
-_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth"}
+_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth", "find_camera"}
 """Settings that count where they change a motion, or never."""
 LIMITS = {"limits_deg", "twist"}
 """What of a part no segment is tracked by; see `stretches`."""
@@ -121,16 +122,67 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> list[Any]:
     """Return what counts within a segment: masks, corrected keypoints, and an own motion."""
     found = [*_masks_and_corrections(session, span), *_own_start(session, span)]
-    return [*found, *_zoom(session, span)]
+    return [*found, *_steadied(session, span)]
 
 
-def _zoom(session: Session, span: Span) -> list[Any]:
-    """Return how a lens zooms over a segment; nothing where it does not."""
-    path = session.camera_path
-    zoom = np.ones(0) if path is None else path.zoom[span[0] : span[1] + 1]
-    if not (zoom != 1.0).any():
+def steady_camera(session: Session) -> SteadyCamera | None:
+    """The camera in whose place a session's film is tracked; None where its own stands still.
+
+    It goes along the path as that was found: what a person corrects changes no tracked motion.
+    """
+    motion = session.view.camera_motion
+    if motion is None or session.camera_path is None:
+        return None
+    return _steady(session.view.camera, motion)
+
+
+@lru_cache(maxsize=4)
+def _steady(camera: Camera, motion: CameraMotion) -> SteadyCamera:
+    return SteadyCamera.along(camera, motion.path)
+
+
+def background_turns(session: Session) -> Array | None:
+    """Return how the steady camera is turned from the world at every frame, (F, 3, 3), where a film
+    is compared with the empty scene all around its camera; with keypoints that gains nothing."""
+    motion, method = session.view.camera_motion, session.settings.method
+    if method != "keypose" or _uses_keypoints(session) or steady_camera(session) is None:
+        return None
+    if motion is None or motion.kind != "turns":
+        return None
+    return turns_of(session.view.camera, motion)
+
+
+@lru_cache(maxsize=4)
+def turns_of(camera: Camera, motion: CameraMotion) -> Array:
+    """How the steady camera of one that turns is turned from the world, (F, 3, 3)."""
+    steady = _steady(camera, motion)
+    return frozen(steady.Rs_steady_camera @ motion.path.Ts_camera_world[:, :3, :3])
+
+
+def _plate(session: Session) -> list[Any]:
+    """Return what the empty scene all around is put together by; nothing where there is none."""
+    motion = session.view.camera_motion
+    if motion is None or background_turns(session) is None:
         return []
-    return [{"zoom": _numbers_digest(zoom)}]
+    return [{"around": _around_digest(session.view.camera, motion)}]
+
+
+@lru_cache(maxsize=4)
+def _around_digest(camera: Camera, motion: CameraMotion) -> str:
+    numbers = (turns_of(camera, motion).ravel(), motion.path.zoom)
+    rounded = np.round(np.concatenate(numbers), DECIMALS) + 0.0
+    return hashlib.sha256(rounded.tobytes()).hexdigest()
+
+
+def _steadied(session: Session, span: Span) -> list[Any]:
+    """Return how a segment's pictures are turned and enlarged; nothing where they are not."""
+    steady = steady_camera(session)
+    if steady is None:
+        return []
+    rows = slice(span[0], span[1] + 1)
+    numbers = (steady.Rs_steady_camera[rows].ravel(), steady.zoom[rows])
+    digest = hashlib.sha256(np.round(np.concatenate(numbers), DECIMALS).tobytes()).hexdigest()
+    return [{"steady": digest}]
 
 
 def _own_start(session: Session, span: Span) -> list[Any]:
@@ -255,49 +307,11 @@ def _cues(session: Session) -> list[Any]:
     """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
-        if session.has_static_camera or turning_camera(session) is not None:
+        if session.has_static_camera or background_turns(session) is not None:
             cues += ["silhouette"]
         elif is_persons(session.subject.body):
             cues += ["person", _digest(settings.network_used)]
     return cues
-
-
-def turning_camera(session: Session) -> TurningCamera | None:
-    """Return how the camera turns, as found, where a film is tracked with its background: with
-    keypoints that gains nothing. What a person corrected does not count: it would outdate every
-    segment."""
-    motion = session.view.camera_motion
-    if motion is None or motion.kind != "turns" or session.has_static_camera:
-        return None
-    if session.settings.method != "keypose" or _uses_keypoints(session):
-        return None
-    return turning_of(motion)
-
-
-@lru_cache(maxsize=8)
-def turning_of(motion: CameraMotion) -> TurningCamera:
-    """A camera as it was found to turn; the same object for an equal motion, so that the pictures
-    that are prepared with it stay."""
-    Rs = motion.path.Ts_camera_world[:, :3, :3]
-    return TurningCamera.of(Rs, [piece.first_frame for piece in motion.pieces])
-
-
-def _plate(session: Session) -> list[Any]:
-    """Return what the empty scene all around is put together by; nothing where there is none."""
-    turning, path = turning_camera(session), session.camera_path
-    if turning is None or path is None:
-        return []
-    found = {"turns": _turns_digest(ById(turning))}
-    return [found, {"zoom": _numbers_digest(path.zoom)}] if path.zooms else [found]
-
-
-@lru_cache(maxsize=8)
-def _turns_digest(turning: ById) -> str:
-    return _numbers_digest(np.stack([turning.it.Rs_camera_world, turning.it.Rs_steady_world]))
-
-
-def _numbers_digest(numbers: Array) -> str:
-    return hashlib.sha256((np.round(numbers, DECIMALS) + 0.0).tobytes()).hexdigest()
 
 
 def _keypoints(session: Session) -> list[Any]:

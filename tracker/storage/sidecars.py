@@ -34,6 +34,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_regular
 from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.references import FirstMotion, KeypointFile, OwnRun
 from keypose.tracker.session.schema import Session
@@ -235,7 +236,7 @@ def at_one_focal(session: Session, keypoints: Keypoints) -> Keypoints:
     path = session.camera_path
     if path is None or not path.zooms:
         return keypoints
-    return keypoints.at_one_focal(session.view.camera, path.zoom)
+    return keypoints.steadied(SteadyCamera.at_one_focal(session.view.camera, path))
 
 
 def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:

@@ -8,7 +8,7 @@ from typing import Final
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
@@ -18,8 +18,9 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import (
+    background_turns,
     segment_keys,
-    turning_camera,
+    steady_camera,
     without_part_keyframes,
 )
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
@@ -30,8 +31,8 @@ from keypose.tracker.tracking.cues.sources import (
     CorrectedKeypoints,
     DetectedKeypoints,
     GivenKeypoints,
-    KeypointsAtOneFocal,
     KeypointSource,
+    SteadyKeypoints,
 )
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
@@ -74,11 +75,10 @@ def tracker_of(
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
     source = people = None
-    path = session.camera_path
-    zoom = path.zoom if path is not None and path.zooms else None
+    steady = steady_camera(session)
     if session.settings.method == "keypose":  # the published method looks for nobody
-        source = _at_one_focal(keypoint_source(session, video, keypoints), session, zoom)
-        people = _at_one_focal(_people(session, video), session, zoom)
+        source = _steadied(keypoint_source(session, video, keypoints), steady)
+        people = _steadied(_people(session, video), steady)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.subject.first_motion
@@ -91,16 +91,12 @@ def tracker_of(
     return Tracker(
         video, session.view.camera, skeleton, poses, session.view.ignore_masks,
         session.has_static_camera, memory, first_motion, source, parts, keys,
-        fewest=fewest, own=own, people=people, zoom=zoom, turning=turning_camera(session),
+        fewest=fewest, own=own, people=people, steady=steady, turns=background_turns(session),
     )  # fmt: skip
 
 
-def _at_one_focal(
-    source: KeypointSource | None, session: Session, zoom: Array | None
-) -> KeypointSource | None:
-    if source is None or zoom is None:
-        return source
-    return KeypointsAtOneFocal(source, session.view.camera, zoom)
+def _steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> KeypointSource | None:
+    return source if source is None or steady is None else SteadyKeypoints(source, steady)
 
 
 def keypoint_source(
@@ -129,7 +125,7 @@ def _found_keypoints(
 
 
 def _needs_masks(session: Session) -> bool:
-    shown = session.has_static_camera or turning_camera(session) is not None
+    shown = session.has_static_camera or background_turns(session) is not None
     return "silhouette" in session.settings.cues_used and not shown
 
 

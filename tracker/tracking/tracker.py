@@ -8,15 +8,14 @@ from dataclasses import replace
 from itertools import count, pairwise
 from typing import TypeAlias
 
-import numpy as np
-
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.surface_points import SurfacePoints, sample_points
 from keypose.tracker.body.trajectory import Pass, Trajectory, displaced
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array, transform, transpose
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
@@ -46,7 +45,6 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
-from keypose.tracker.video.turning import TurningCamera
 
 Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""
@@ -66,11 +64,10 @@ class _Prepared:
         masks: Sequence[IgnoreMask],
         static: bool,
         memory: int,
-        zoom: Array | None,
-        turning: TurningCamera | None,
+        steady: SteadyCamera | None,
+        turns: Array | None,
     ) -> None:
-        self._loading = (masks, static, memory, zoom, turning)
-        self.turning = turning
+        self._loading = (masks, static, memory, steady, turns)
         self._video, self._camera, self._memory = video, camera, memory
         self._loaders: dict[WorkingSize, ClipLoader] = {}
 
@@ -82,7 +79,7 @@ class _Prepared:
     @property
     def shows_background(self) -> bool:
         """Return whether pictures are compared with one of the empty scene."""
-        return self._loading[1] or self.turning is not None
+        return self._loading[1] or self._loading[4] is not None
 
     def loader(self, longest: int) -> ClipLoader:
         """The loader for segments of up to this many frames."""
@@ -119,19 +116,21 @@ class Tracker:
         fewest: int = 2,
         own: Sequence[tuple[int, int]] = (),
         people: KeypointSource | None = None,
-        zoom: Array | None = None,
-        turning: TurningCamera | None = None,
+        steady: SteadyCamera | None = None,
+        turns: Array | None = None,
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
-        people: what sees where in the picture a person is.  zoom (F,): the focal length of every
-        frame as a multiple of the camera's, which keypoints are freed of; None where it stays.
-        turning: how the camera turns, where its pictures are steadied and compared with the empty
-        scene: only without keypoints and `people`.
+        people: what sees where in the picture a person is.  steady: the camera in whose place the
+        film is tracked, where its own moves: keypoints are as it sees them, all poses that are
+        given and found as the film's does.  turns (F, 3, 3): how that is turned from the world,
+        where pictures are compared with the empty scene all around.
         """
-        self._people = people
-        self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
-        self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
-        self._prepared = _Prepared(video, camera, masks, static_camera, memory, zoom, turning)
+        self._people, self._steady = people, steady
+        self._own, self._keypoints = tuple(own), keypoints
+        self._first_motion = None if first_motion is None else self._steadied(first_motion)
+        self._keyed_parts = self._steady_parts(keyed_parts)
+        self._keys, self._kept = keys or {}, KeptOutcomes()
+        self._prepared = _Prepared(video, camera, masks, static_camera, memory, steady, turns)
         self._points_by_spacing: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes, fewest)
 
@@ -139,8 +138,10 @@ class Tracker:
         """Take keyposes of a body."""
         if len(keyposes) < fewest:
             _require_two(keyposes)
-        self.skeleton = skeleton
-        self.keyposes = {frame: keyposes[frame] for frame in sorted(keyposes)}
+        self.skeleton, self._filmed = skeleton, dict(keyposes)
+        self.keyposes = {
+            frame: self._steady_pose(frame, keyposes[frame]) for frame in sorted(keyposes)
+        }
 
     def renewed(
         self,
@@ -161,13 +162,38 @@ class Tracker:
         the same object. Both may be in use at the same time.
         """
         other = copy(self)
-        other._first_motion, other._own, other._keypoints = first_motion, tuple(own), keypoints
-        other._people = people
-        other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
+        other._first_motion = None if first_motion is None else self._steadied(first_motion)
+        other._own, other._keypoints, other._people = tuple(own), keypoints, people
+        other._keyed_parts, other._keys = self._steady_parts(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
             other._points_by_spacing = {}
         other._pose(skeleton, keyposes, fewest)
         return other
+
+    def _steady_pose(self, frame: int, pose: Pose) -> Pose:
+        return pose if self._steady is None else pose.carried(self._steady.Ts_steady_camera[frame])
+
+    def _steady_parts(self, parts: Sequence[KeyedParts]) -> tuple[KeyedParts, ...]:
+        return tuple(replace(each, pose=self._steady_pose(each.frame, each.pose)) for each in parts)
+
+    def _steadied(self, motion: Trajectory) -> Trajectory:
+        if self._steady is None:
+            return motion
+        rows = slice(motion.first_frame, motion.last_frame + 1)
+        return motion.carried(self._steady.Ts_steady_camera[rows])
+
+    def as_filmed(self, motion: Trajectory) -> Trajectory:
+        """A motion that was found, as the film's own camera sees it; at keyframes as posed."""
+        if self._steady is None:
+            return motion
+        rows = slice(motion.first_frame, motion.last_frame + 1)
+        R, t = motion.carried(self._steady.Ts_camera_steady[rows]).writable()
+        for frame in (motion.first_frame, motion.last_frame):
+            given = self._filmed.get(frame)
+            if given is not None and _is_same(motion.pose(frame), self.keyposes[frame]):
+                row = frame - motion.first_frame
+                R[row], t[row] = given.Rs_parent_part, given.p_camera_root
+        return Trajectory(motion.first_frame, R, t)
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
         """Return what loads the pictures of a segment, in the size that its length allows."""
@@ -223,7 +249,7 @@ class Tracker:
         """Give an existing keyframe another pose."""
         if frame not in self.keyposes:
             raise SessionError(f"Frame {frame} has no keyframe; add it to the session first.")
-        self.keyposes[frame] = pose
+        self._filmed[frame], self.keyposes[frame] = pose, self._steady_pose(frame, pose)
 
     def run_segment(
         self, span: tuple[int, int], settings: TrackSettings, emit: Emit
@@ -237,9 +263,8 @@ class Tracker:
         for frame in span:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
-        start, end = self.steadied(first), self.steadied(last)
-        imported, own = None, None
-        known = None if self._first_motion is None else self._carried(self._first_motion)
+        start, end = self.keyposes[first], self.keyposes[last]
+        imported, own, known = None, None, self._first_motion
         if known is not None and any(a <= first and last <= b for a, b in self._own):
             imported = displaced(known, start, end, first, last)
             if settings.initial == "auto":
@@ -263,47 +288,17 @@ class Tracker:
                     outcome = replace(outcome, silhouette=seen)
                 if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
-                found = segment_result(scene, segment, outcome, method, enlarged)
-                return replace(found, trajectory=self.as_taken(found.trajectory))
-            emit(replace(step, trajectory=self.as_taken(step.trajectory)), number)
+                result = segment_result(scene, segment, outcome, method, enlarged)
+                return replace(result, trajectory=self.as_filmed(result.trajectory))
+            emit(replace(step, trajectory=self.as_filmed(step.trajectory)), number)
             number += 1
-
-    def steadied(self, frame: int) -> Pose:
-        """The keypose of a frame, as pictures are prepared: seen by the steady camera."""
-        pose = self.keyposes[frame]
-        if self._prepared.turning is None:
-            return pose
-        return _turned(pose, self._prepared.turning.Rs_steady_camera(frame, frame)[0])
-
-    def as_taken(self, motion: Trajectory) -> Trajectory:
-        """A motion that the steady camera sees, as the film's own does."""
-        return self._carried(motion, back=True)
-
-    def _carried(self, motion: Trajectory, back: bool = False) -> Trajectory:
-        turning = self._prepared.turning
-        if turning is None:
-            return motion
-        Rs = turning.Rs_steady_camera(motion.first_frame, motion.last_frame)
-        return motion.carried(transform(transpose(Rs) if back else Rs, np.zeros((len(Rs), 3))))
-
-    def _keyed_parts_in(self, first: int, last: int) -> list[KeyedParts]:
-        """Limbs that are exact strictly between two frames, seen by the steady camera."""
-        inside = [each for each in self._keyed_parts if first < each.frame < last]
-        turning = self._prepared.turning
-        if turning is None:
-            return inside
-        to_steady = [turning.Rs_steady_camera(each.frame, each.frame)[0] for each in inside]
-        return [
-            replace(each, pose=_turned(each.pose, R))
-            for each, R in zip(inside, to_steady, strict=True)
-        ]
 
     def _corrected_work(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
     ) -> Work:
         """The segment tracked, or as it was tracked before; then with limbs where they were set."""
         first, last = segment.first_frame, segment.last_frame
-        inside = self._keyed_parts_in(first, last)
+        inside = [each for each in self._keyed_parts if first < each.frame < last]
         kind = self._kind((first, last), settings)
         outcome = self._kept.get(kind) if inside and kind[0] else None
         if outcome is None:
@@ -355,6 +350,8 @@ class Tracker:
             return None
         looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
 
+        waiting = replace(waiting, trajectory=self.as_filmed(waiting.trajectory))
+
         def report() -> None:
             if next(looks) % LOOKS_BETWEEN_REPORTS == 0:
                 emit(waiting, 0)
@@ -389,11 +386,9 @@ class Tracker:
         return wanted and (self._prepared.shows_background or persons)
 
 
-def _turned(pose: Pose, R: Array) -> Pose:
-    """A pose as a camera turned by R (3, 3) sees it."""
-    Rs = pose.Rs_parent_part.copy()
-    Rs[0] = R @ Rs[0]
-    return Pose(Rs, R @ pose.p_camera_root)
+def _is_same(one: Pose, other: Pose) -> bool:
+    same = (one.Rs_parent_part == other.Rs_parent_part).all()
+    return bool(same and (one.p_camera_root == other.p_camera_root).all())
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
-from keypose.tracker.video.panorama import Panorama, Shown, exposure_of, panorama_of
+from keypose.tracker.video.panorama import Panorama, Shown, exposure_of, panorama_of, sampled
 from keypose.tracker.video.pyramid import (
     IGNORED,
     LEVELS,
@@ -28,7 +29,6 @@ from keypose.tracker.video.pyramid import (
     prepare,
 )
 from keypose.tracker.video.still_camera import background, moving, smooth
-from keypose.tracker.video.turning import TurningCamera
 
 MEMORY_BYTES = 1_500_000_000
 """What the clip of one segment may take."""
@@ -93,12 +93,11 @@ class WorkingSize:
 class ClipLoader:
     """Prepares clips of one video; the most recent stay ready, within a share of the memory.
 
-    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing. Pictures
-    of a lens that zooms are made as large as the camera's own focal length shows things.
+    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing.
 
-    zoom (F,): the focal length of every frame as a multiple of the camera's; None where it stays.
-    turning: how the camera turns, where pictures are to be those of its steady one, and compared
-    with the empty scene all around; None otherwise.
+    steady: the camera in whose place pictures are shown, of one that moves.  turns (F, 3, 3): how
+    that is turned from the world at every frame, where pictures are compared with the empty scene
+    all around.
     """
 
     video: Video
@@ -107,8 +106,8 @@ class ClipLoader:
     masks: Sequence[IgnoreMask] = ()
     static_camera: bool = False
     memory: int = MEMORY_BYTES
-    zoom: Array | None = None
-    turning: TurningCamera | None = None
+    steady: SteadyCamera | None = None
+    turns: Array | None = None
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _damaged: set[int] = field(default_factory=set)
     _plate: Picture | None = None
@@ -197,34 +196,25 @@ class ClipLoader:
         return self._working(grey, frame)
 
     def _working(self, picture: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
-        """A picture of a frame without distortion, at one focal length, at the working size."""
+        """A picture of a frame without distortion, from a steady camera, at the working size."""
         picture = self.camera.rectify(picture)
-        zoom = 1.0 if self.zoom is None else float(self.zoom[frame])
-        if zoom != 1.0:
-            centre = np.array([self.camera.cx, self.camera.cy])
-            M = np.column_stack([np.eye(2) / zoom, centre - centre / zoom])
-            size = (self.camera.width, self.camera.height)
-            way = cv2.INTER_AREA if zoom > 1 else cv2.INTER_LINEAR
-            picture = np.asarray(cv2.warpAffine(picture, M, size, flags=way), dtype=np.uint8)
-        if self.turning is not None:
-            K = self.camera.K
-            H = K @ self.turning.Rs_steady_camera(frame, frame)[0] @ np.linalg.inv(K)
-            size = (self.camera.width, self.camera.height)
-            picture = np.asarray(cv2.warpPerspective(picture, H, size), dtype=np.uint8)
+        if self.steady is not None:
+            picture = self.steady.picture(picture, frame)
         return self.size.picture(picture)
 
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
         """Return what each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
-        smaller = self.turning is not None or (self.zoom is not None and self.zoom[index] > 1)
-        if not (masks or self.static_camera or self.camera.is_distorted or smaller):
+        beyond = self.steady is not None and not self.steady.covers(index)
+        plate = self.static_camera or self.turns is not None
+        if not (masks or plate or self.camera.is_distorted or beyond):
             return None
         usable = np.full(grey.shape, USABLE, np.float32)
-        if self.static_camera or self.turning is not None:
+        if plate:
             usable[self._is_background(grey, index)] = TARGET_ONLY
         if masks:
             usable[self._masked(masks, index)] = IGNORED
-        if smaller:
+        if beyond:
             usable[self._shown(index) < 250] = IGNORED
         elif self.camera.is_distorted:
             usable[self._beyond_lens(index)] = IGNORED
@@ -250,8 +240,8 @@ class ClipLoader:
 
     def _is_background(self, grey: NDArray[np.uint8], frame: int) -> NDArray[np.bool_]:
         """Pixels that look as the empty scene does: no part of a moving body."""
-        if self.turning is not None:
-            plate, known = self.panorama().seen(self.turning.Rs_steady_world[frame])
+        if self.turns is not None:
+            plate, known = self.panorama().seen(self.turns[frame])
             bright = plate * np.float32(exposure_of(grey, plate, known))
             return known & ~moving(smooth(grey), smooth(bright))
         if self._plate is None:
@@ -271,13 +261,13 @@ class ClipLoader:
     def _put_together(
         self, made: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]], most: int
     ) -> Panorama:
-        assert self.turning is not None
+        assert self.turns is not None
         shown = []
-        for frame in self.turning.sampled(most):
+        for frame in sampled(self.turns, most):
             for _, rgb in self.video.frames(frame, frame + 1):
                 if rgb is not None:
-                    R = self.turning.Rs_steady_world[frame]
-                    shown.append(Shown(made(rgb, frame), self._shown(frame) > 250, R))
+                    known = self._shown(frame) > 250
+                    shown.append(Shown(made(rgb, frame), known, self.turns[frame]))
         return panorama_of(self.size.camera(self.camera), shown)
 
     def _median_picture(self) -> Picture:

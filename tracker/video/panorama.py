@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, transpose
 
 MOST_PIXELS = 24_000_000
 """A panorama that would be larger is coarser than the film."""
@@ -201,3 +201,14 @@ def _tiles(size: tuple[int, int]) -> Iterator[tuple[slice, slice]]:
     for row in range(0, size[0], TILE):
         for column in range(0, size[1], TILE):
             yield slice(row, min(row + TILE, size[0])), slice(column, min(column + TILE, size[1]))
+
+
+def sampled(Rs_camera_world: Array, most: int) -> list[int]:
+    """At most so many frames, spread evenly over the film and over its turns (F, 3, 3)."""
+    R = Rs_camera_world
+    cosine = (np.trace(R[1:] @ transpose(R[:-1]), axis1=1, axis2=2) - 1) / 2
+    turned = np.arccos(np.clip(cosine, -1.0, 1.0))
+    steps = 1 / max(len(turned), 1) + turned / max(turned.sum(), 1e-9)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    wanted = np.linspace(0, way[-1], most)
+    return [int(frame) for frame in np.unique(np.searchsorted(way, wanted - 1e-12))]

@@ -14,6 +14,7 @@ from keypose.app.export.motion_files import motion_files, saved_motion
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.task import Export, SegmentSummary, State, Step, Summary, Task
+from keypose.app.jobs.find_camera import find_saved, is_camera_wanted
 from keypose.app.jobs.job import Finished, Progress
 from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.rerun import (
@@ -31,7 +32,12 @@ from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder, write_file
-from keypose.tracker.storage.files import load_session, open_video_of, with_present_fingerprints
+from keypose.tracker.storage.files import (
+    load_session,
+    open_video_of,
+    save_session,
+    with_present_fingerprints,
+)
 from keypose.tracker.storage.results import Results, load_results
 from keypose.tracker.storage.tracks import load_tracks
 from keypose.tracker.tracking.pool import SegmentFinished
@@ -115,6 +121,10 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     require_trackable(session, task.session)
     session = _as_exported(session, task.session)
     asked = with_settings(session, task.order)
+    if is_camera_wanted(asked):
+        session = find_saved(asked, task.session).applied(session)
+        save_session(session, task.session)
+        asked = with_settings(session, task.order)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
     found = _Found([])
     if wanted:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,9 +11,11 @@ from keypose.app.editor.frames import T_camera_world
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.app.words.camera import camera_sentence, finding_sentence
-from keypose.tracker.camera_motion import FollowedPoints
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.session.camera_motion import CameraMotion
+
+if TYPE_CHECKING:
+    from keypose.tracker.camera_motion import FollowedPoints
 
 MOST_PLACES: Final = 240
 """At which the camera is drawn along its path."""

@@ -23,6 +23,7 @@ function drawGround(rows) {
   const { width, height } = ui.timeSize;
   const across = (y) => `M0 ${y - 0.5}H${width}`;
   const lines = [across(rows.top), across(rows.keys.y + rows.keys.h)];
+  if (rows.camera) lines.push(across(rows.camera.y + rows.camera.h));
   if (rows.pins && !rows.pins.thin) lines.push(across(rows.pins.y));
   if (rows.curve !== null && (rows.lanes.full > 0 || rows.pins)) lines.push(across(rows.curve.y - 2));
   return svg`<rect class="f-panel" width=${width} height=${height} />
@@ -40,7 +41,8 @@ function drawKeyLabels(rows) {
 /** Words in the place of lanes and curve before the first track. */
 function drawNothingYet(rows, empty) {
   if (!empty || isScore() || frameCount() === 0) return nothing;
-  const top = rows.keys.y + rows.keys.h;
+  const { y, h } = rows.camera ?? rows.keys;
+  const top = y + h;
   const room = rows.height - top;
   if (hasCurve() || room < 24) return nothing;
   return svg`<text class="d" x=${(GUTTER + right()) / 2} y=${top + room / 2 + 4}

@@ -103,16 +103,19 @@ const LANE = { least: 14, most: 22, weakest: 18 };
 const CURVE_LEAST = 40;
 const ROOM_FOR_LANES = 80;
 const PINS = { full: 30, thin: 3, gap: 2 };
+const CAMERA = { full: 22, low: 16 };
 
 /**
  * Rows of a drawing `height` px high with `lanes` lanes; `weakest` says the one lane stands alone;
- * `pins` whether some are to be shown: in a row, or beside the weakest part's lane as a thin line.
+ * `pins` whether some are to be shown: in a row, or beside the weakest part's lane as a thin line; `camera`
+ * whether its motion has a row.
  * Lanes that do not fit are scrolled (`lanes.room` < `lanes.full`); a low drawing drops its curve.
  */
-export function rowsFor({ height, zoomed, lanes, weakest, pins = false }) {
+export function rowsFor({ height, zoomed, lanes, weakest, pins = false, camera = false }) {
   const top = RULER + (zoomed ? OVERVIEW : 0);
   const keys = { y: top, h: KEYS, middle: top + KEYS / 2 };
-  const below = top + KEYS;
+  const cameraRow = camera ? { y: top + KEYS, h: weakest ? CAMERA.low : CAMERA.full } : null;
+  const below = top + KEYS + (cameraRow?.h ?? 0);
   const forPins = pins ? (weakest ? PINS.thin : PINS.full) + PINS.gap : 0;
   const room = Math.max(0, height - below - forPins);
   const each = laneHeight(room, lanes, weakest);
@@ -127,7 +130,7 @@ export function rowsFor({ height, zoomed, lanes, weakest, pins = false }) {
   const curveTop = (lanes === 0 ? below : laneRow.y + seen + 6) + forPins;
   const rest = height - curveTop - 6;
   const curve = rest >= 24 ? { y: curveTop, h: rest } : null;
-  return { height, top, keys, lanes: laneRow, pins: pinRow, curve };
+  return { height, top, keys, camera: cameraRow, lanes: laneRow, pins: pinRow, curve };
 }
 
 /** Whether a row, where there is one, is at a height. */

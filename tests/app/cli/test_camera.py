@@ -13,6 +13,7 @@ from keypose.app.document.folder_lock import locked
 from keypose.tracker.geometry.rotations import transpose
 from keypose.tracker.storage.camera_motion import points_of
 from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.results import segment_keys
 from tests.scenes import sample
 from tests.tracker import panned_cases as panned
 
@@ -58,6 +59,28 @@ def test_as_json_it_says_how_far_it_turned_and_a_dry_run_writes_nothing(
     assert events[-1]["kind"] == "turns"
     assert events[-1]["turned_deg"] == pytest.approx(9.0, abs=0.3)
     assert events[-1]["session"] is None
+
+
+def test_tracking_finds_it_first_where_that_is_asked_for(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    track = ["track", str(path), "--find-camera", "yes", "--frames", "2-12", "--quality", "preview"]
+    assert main(track) in (0, 1)
+    assert "The camera turns" in capsys.readouterr().err
+    session = load_session(path)
+    assert session.camera_path is not None
+    assert session.subject.results is not None
+    assert segment_keys(session)[2, 12] == session.subject.results.segments[0].key
+    assert main(track) in (0, 1)
+    assert "The camera turns" not in capsys.readouterr().err
+
+
+def test_a_batch_finds_it_where_the_session_says_so(path: Path) -> None:
+    session = load_session(path)
+    wanting = session.settings.model_copy(update={"find_camera": True, "quality": "preview"})
+    save_session(session.changed({"settings": wanting}), path)
+    assert main(["batch", str(path.parent)]) in (0, 1)
+    assert load_session(path).camera_path is not None
 
 
 def test_one_word_leaves_the_camera_as_it_was(

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import T_camera_world, pointer_views, up_of, views_of
-from keypose.app.editor.motion import end_trail, feet_paths
+from keypose.app.editor.motion import end_trail, feet_paths, motion_between
 from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import opening_pose
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.geometry.rotations import exp_rotation, transpose
 from keypose.tracker.session import Session
+from keypose.tracker.session.camera_motion import CameraMotion
 from tests.app.editor.desk import after
 from tests.tracker import panned_cases as panned
 from tests.tracker import session_cases as cases
@@ -206,3 +211,35 @@ def test_the_page_is_told_how_the_camera_moves_and_where_it_is() -> None:
     before = {name: value for name, value in sections.items() if name in ("feet", "camera_motion")}
     later = Sections().changed(AppState(edit=replace(state, frame=20)))
     assert {name: later[name] for name in before} == before
+
+
+@pytest.mark.parametrize(
+    ("said", "focal"),
+    [
+        ({"do": "lens", "mm": 50.0}, lambda camera: camera.focal_mm == pytest.approx(50.0)),
+        (
+            {"do": "field_of_view", "deg": 40.0},
+            lambda camera: 2 * np.degrees(np.arctan(160 / camera.fx)) == pytest.approx(40.0),
+        ),
+        ({"do": "camera", "fx": 700.0}, lambda camera: camera.fx == pytest.approx(700.0)),
+    ],
+)
+def test_a_lens_that_is_said_of_a_frame_is_that_of_this_frame_also_where_the_camera_zoomed(
+    said: dict[str, Any], focal: Callable[[Camera], bool]
+) -> None:
+    zoom = np.linspace(1, 1.5, panned.FRAMES)
+    zooming = CameraMotion.of("turns", CameraPath(panned.path().Ts_camera_world, zoom))
+    state = after(desk(panned.session(zooming), frame=20), said)
+    assert focal(state.doc.camera_at(20))
+    assert state.doc.camera_at(20).fx == pytest.approx(zoom[20] * state.doc.view.camera.fx)
+
+
+def test_what_is_not_tracked_goes_evenly_through_the_world_also_where_it_is_drawn_as_a_whole() -> (
+    None
+):
+    state = desk(frame=7)
+    for known in (motion_between(state, 2, 22), motion_between(state, 2, 12)):
+        first = pose_transforms(state.skeleton, cases.pose(0.4))
+        np.testing.assert_allclose(
+            known.Ts_world_part, np.stack([first] * len(known.frames)), atol=1e-9
+        )

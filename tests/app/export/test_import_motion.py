@@ -25,12 +25,14 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError, SessionError
 from keypose.tracker.evaluate import evaluate
 from keypose.tracker.formats.csv import joints_csv
-from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.joint_motion import JointMotion, World
 from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import LAYOUTS
-from keypose.tracker.session import Session
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import segment_keys
@@ -110,6 +112,35 @@ def test_our_own_motion_comes_back_to_a_millimetre(path: Path, kind: str) -> Non
     parts = SKELETON.part_count  # BVH says nothing of heels
     assert len(away) == len(TRUTH)
     assert (away[:, :parts] if kind == "bvh" else away).max() < 1e-3
+
+
+def _before_a_moving_camera() -> tuple[Session, Trajectory]:
+    """The sample as a camera sees it that turns, walks along and zooms; the motion in its frame."""
+    t = np.linspace(0, 1, len(TRUTH))[:, None]
+    path = CameraPath.of(
+        exp_rotation(t * [0.05, -0.3, 0.02]), t * [0.4, 0.0, 0.2], 1 + 0.2 * t[:, 0]
+    )
+    seen, steady = TRUTH.carried(path.Ts_camera_world), SESSION.view.video
+    motion = CameraMotion.of("moves", path, np.zeros(len(TRUTH)))
+    keyframes = tuple(
+        Keyframe.of(SKELETON, seen.pose(k.frame), k.frame, k.time_s)
+        for k in SESSION.subject.keyframes
+    )
+    fields = {"camera_motion": motion, "keyframes": keyframes}
+    fields["video"] = steady.model_copy(update={"stands_still": False})
+    return SESSION.changed(fields), seen
+
+
+@pytest.mark.parametrize("world", ["y up", "camera"])
+def test_recorded_motion_meets_the_keyframes_of_a_camera_that_moves(world: World) -> None:
+    session, seen = _before_a_moving_camera()
+    ps = seen.joints(SKELETON) if world == "camera" else TRUTH.joints(SKELETON) @ R.T + P
+    motion = JointMotion(NAMES, ps, TIMES_S, world, "m")
+    found = fit_to_session(session, motion, "a.bvh", TIMES_S)
+    away = found.fit.trajectory.joints(SKELETON) - seen.joints(SKELETON)
+    assert np.linalg.norm(away, axis=-1).max() < 1e-3
+    assert found.miss_px.max() < 0.5
+    assert found.notes == ()
 
 
 def test_the_offset_says_where_the_files_time_begins(path: Path) -> None:

@@ -24,6 +24,7 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.proposals import FLOATING_M, _floating
 from keypose.tracker.fitting.sizes.residuals import Pictures
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import log_rotation
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.solver.fit_joints import fit_picture
@@ -57,9 +58,9 @@ class Case:
         return _joints(self.person, self.truth.pose(frame))
 
 
-def _joints(body: Body, pose: Pose) -> NDArray[np.float64]:
+def _joints(body: Body, pose: Pose, zoom: float = 1.0) -> NDArray[np.float64]:
     skeleton = Skeleton.of(body)
-    return CAMERA.project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
+    return CAMERA.zoomed(zoom).project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
 
 
 def _places(body: Body) -> list[BodyPoint]:
@@ -84,19 +85,28 @@ def _person(kind: str) -> Body:
 
 
 @cache
-def _case(kind: str) -> Case:
+def _case(kind: str, zoom: tuple[float, ...] = (1.0,) * len((*KEYS, *OTHERS))) -> Case:
     person = _person(kind)
     skeleton = Skeleton.of(person)
     whole, frames = stride(skeleton), sorted((*KEYS, *OTHERS))
     truth = Trajectory(0, whole.Rs_parent_part[frames], whole.ps_camera_root[frames])
     keyposes = {}
     for key in KEYS:
-        pose = truth.pose(frames.index(key))
-        uv = _joints(person, pose)
-        keyposes[frames.index(key)] = fit_picture(
-            GIVEN, CAMERA, _places(GIVEN), uv, np.ones(len(uv)), [pose], pose
+        row = frames.index(key)
+        pose = truth.pose(row)
+        uv = _joints(person, pose, zoom[row])
+        keyposes[row] = fit_picture(
+            GIVEN, CAMERA.zoomed(zoom[row]), _places(GIVEN), uv, np.ones(len(uv)), [pose], pose
         ).pose
-    return Case(person, truth, render(skeleton, truth, CAMERA), keyposes)
+    shown = [
+        render(
+            skeleton,
+            Trajectory(0, truth.Rs_parent_part[k : k + 1], truth.ps_camera_root[k : k + 1]),
+            CAMERA.zoomed(zoom[k]),
+        )[0]
+        for k in range(len(frames))
+    ]
+    return Case(person, truth, np.stack(shown), keyposes)
 
 
 @cache
@@ -130,6 +140,18 @@ def test_thicker_legs_are_found_to_a_quarter_and_nothing_else_changes() -> None:
         assert length == pytest.approx(1.0)
         expected = 1.15 if name in ("thigh", "shin") else 1.0
         assert thickness == pytest.approx(expected, abs=0.035 if expected > 1 else 1e-9)
+
+
+def test_sizes_are_the_same_where_the_camera_zooms() -> None:
+    zoom = (1.0, 1.2, 0.9, 1.1, 1.15, 0.95, 1.05)
+    case = _case("thick", zoom)
+    path = CameraPath(CameraPath.standing_still(len(zoom)).Ts_camera_world, np.array(zoom))
+    found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, path=path).with_poses
+    assert found is not None
+    for name, (length, thickness) in _ratios(found.body).items():
+        assert length == pytest.approx(1.0, abs=0.02)
+        expected = 1.15 if name in ("thigh", "shin") else 1.0
+        assert thickness == pytest.approx(expected, abs=0.05)
 
 
 def test_longer_forearms_and_shins_are_found_by_half_or_more() -> None:
@@ -202,8 +224,9 @@ def test_proposed_poses_turn_limbs_only_and_say_by_how_much() -> None:
 @pytest.mark.parametrize("kind", ["long", "thick"])
 def test_feet_float_no_more_with_proposed_poses_than_before(kind: str) -> None:
     case, found = _case(kind), _fitted(kind)
+    still = CameraPath.standing_still(len(KEYS)).Ts_world_camera
     before, after = (
-        _floating(body, list(poses.values()), (0.0, -1.0, 0.0))
+        _floating(body, list(poses.values()), still, (0.0, -1.0, 0.0))
         for body, poses in ((GIVEN, case.keyposes), (found.body, found.keyposes))
     )
     assert after <= before + FLOATING_M

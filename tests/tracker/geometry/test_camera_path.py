@@ -9,7 +9,6 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import (
     CameraCorrection,
     CameraPath,
-    at_one_focal,
     corrected,
     rigid_inverse,
 )
@@ -93,13 +92,6 @@ def test_between_frames_it_goes_on_evenly() -> None:
     turned = apart_deg(half.Ts_camera_world[:, :3, :3], ends[:, :3, :3])
     assert turned[0] == pytest.approx(turned[1], rel=1e-3)
     np.testing.assert_allclose(half.Ts_camera_world[0, :3, 3], ends[:, :3, 3].mean(axis=0))
-
-
-def test_pixels_at_one_focal_length_are_those_of_the_camera_itself() -> None:
-    p = np.array([[0.3, -0.2, 2.0], [-1.0, 0.4, 5.0]])
-    zoomed = CAMERA.model_copy(update={"fx": CAMERA.fx * 1.7, "fy": CAMERA.fy * 1.7})
-    seen = at_one_focal(zoomed.project(p), CAMERA, np.full(2, 1.7))
-    np.testing.assert_allclose(seen, CAMERA.project(p), atol=1e-9)
 
 
 def test_the_inverse_of_a_rigid_motion_leads_back() -> None:

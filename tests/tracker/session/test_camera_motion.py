@@ -20,7 +20,7 @@ from keypose.tracker.session.camera_motion import (
     CameraPiece,
     packed,
 )
-from keypose.tracker.storage.fingerprints import segment_keys
+from keypose.tracker.storage.fingerprints import background_turns, segment_keys
 from keypose.tracker.storage.stretches import stretch_keys
 from tests.tracker import panned_cases as panned
 
@@ -58,10 +58,8 @@ def test_a_camera_that_is_said_to_stand_still_does() -> None:
     assert still.camera_at(5) is still.view.camera
 
 
-def test_a_persons_correction_is_met_and_outdates_no_segment_that_does_not_zoom() -> None:
+def test_a_persons_correction_is_met_and_outdates_no_segment() -> None:
     session = panned.panned()
-    with_plate = [*segment_keys(session).values()]
-    assert with_plate != [*segment_keys(panned.session()).values()]
     T = panned.path().Ts_camera_world[20].copy()
     T[:3, :3] = T[:3, :3] @ panned.Rs_camera_world()[3]
     key = CameraKeyframe.of(20, T, 1.0)
@@ -70,6 +68,17 @@ def test_a_persons_correction_is_met_and_outdates_no_segment_that_does_not_zoom(
     np.testing.assert_allclose(after.camera_path.Ts_camera_world[20], T, atol=1e-12)
     assert segment_keys(after) == segment_keys(session)
     assert stretch_keys(after, []) == set()
+
+
+def test_segments_are_tracked_for_the_camera_as_it_was_found() -> None:
+    still = segment_keys(of_person(None))
+    turned = segment_keys(of_person(CameraMotion.of("turns", panned.path())))
+    assert all(turned[span] != still[span] for span in still)
+    zoom = np.ones(panned.FRAMES)
+    zoom[15:] = 1.2
+    path = CameraPath(panned.path().Ts_camera_world, zoom)
+    zoomed = segment_keys(of_person(CameraMotion.of("turns", path)))
+    assert [span for span in still if zoomed[span] != turned[span]] == [(12, 22)]
 
 
 def of_person(motion: CameraMotion | None) -> Session:
@@ -81,16 +90,15 @@ def of_person(motion: CameraMotion | None) -> Session:
     return given.changed({"body": body, "keyframes": tuple(bare), "settings": settings})
 
 
-def test_with_keypoints_a_lens_that_zooms_makes_other_segments_and_one_that_turns_does_not() -> (
-    None
-):
-    still = segment_keys(of_person(None))
-    assert segment_keys(of_person(CameraMotion.of("turns", panned.path()))) == still
-    zoom = np.ones(panned.FRAMES)
-    zoom[15:] = 1.2
-    path = CameraPath(panned.path().Ts_camera_world, zoom)
-    zoomed = segment_keys(of_person(CameraMotion.of("turns", path)))
-    assert [span for span in still if zoomed[span] != still[span]] == [(12, 22)]
+def test_the_background_counts_over_the_whole_film_where_keypoints_do_not() -> None:
+    Ts, zoom = panned.path().Ts_camera_world, np.ones(panned.FRAMES)
+    zoom[-1] = 1.2  # after the last segment
+    both = [CameraMotion.of("turns", CameraPath(Ts, each)) for each in (zoom, zoom**0)]
+    thing, person = (
+        [segment_keys(of(each)) for each in both] for of in (panned.session, of_person)
+    )
+    assert all(thing[0][span] != thing[1][span] for span in thing[0])
+    assert person[0] == person[1]
 
 
 @pytest.mark.parametrize(
@@ -100,12 +108,10 @@ def test_with_keypoints_a_lens_that_zooms_makes_other_segments_and_one_that_turn
 def test_no_background_is_put_together_where_there_is_none_or_it_has_no_say(
     kind: Any, settings: dict[str, Any]
 ) -> None:
-    def keys(motion: CameraMotion | None) -> dict[tuple[int, int], str]:
-        given = panned.session(motion)
-        chosen = given.settings.model_copy(update=settings)
-        return segment_keys(given.changed({"settings": chosen}))
-
-    assert keys(CameraMotion.of(kind, panned.path())) == keys(None)
+    given = panned.session(CameraMotion.of(kind, panned.path()))
+    chosen = given.settings.model_copy(update=settings)
+    assert background_turns(panned.panned()) is not None
+    assert background_turns(given.changed({"settings": chosen})) is None
 
 
 def test_a_piece_whose_scale_nothing_tells_is_taken_to_turn_alone_and_that_is_said() -> None:

@@ -78,7 +78,7 @@ def test_the_background_of_a_pan_is_one_picture_wider_than_the_film(tmp_path: Pa
     with Video.open(tmp_path / "film") as video:
         picture = background_picture(panned.panned(), video)
         middle = picture[15:-15, 40:-40]
-        assert picture.shape[1] > panned.WIDTH + 10  # an arc is shorter than its chord
+        assert picture.shape[1] > panned.WIDTH + 5  # an arc is shorter than its chord
         assert (middle > 0).mean() > 0.95
         still = panned.session()
         with pytest.raises(CameraError, match="a camera that turns"):

@@ -31,6 +31,7 @@ from keypose.tracker.fitting.draft.proposals import Proposal
 from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
@@ -143,7 +144,7 @@ def draft_from_keypoints(
         return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
     seen = keypoints
     if path is not None and path.zooms:
-        seen = keypoints.at_one_focal(camera, path.zoom)
+        seen = keypoints.steadied(SteadyCamera.at_one_focal(camera, path))
     observed, ideal = Observed.of(seen, camera, changes), camera.without_distortion()
     Joints.of(Skeleton.of(body))
     if up_world is not None:

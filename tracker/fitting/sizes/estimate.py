@@ -41,7 +41,7 @@ def estimate(
     reaches: Sequence[float], cancelled: Callable[[], bool],
 ) -> Estimate | None:  # fmt: skip
     """Look for the contours and fit to them, again and again; None when cancelled."""
-    joints = [joint_rows(fit, pose) for pose in fit.posed]
+    joints = [joint_rows(fit, k) for k in range(len(fit.posed))]
     seen = contours(fit, start, looked)
     colour_models = pictures.colour_models(seen, fit)
     shared, observable, enough = start, np.ones(len(fit.free), dtype=np.bool_), False

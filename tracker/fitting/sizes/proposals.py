@@ -23,7 +23,7 @@ from keypose.tracker.fitting.sizes.messages import SizesFound, size_changes
 from keypose.tracker.fitting.sizes.residuals import Pictures, contours
 from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import log_rotation, rotation_between
+from keypose.tracker.geometry.rotations import Array, log_rotation, rotation_between
 from keypose.tracker.solver.sigmas import PROPOSED_RAD, STIFF_RAD
 
 UP_CAMERA = (0.0, -1.0, 0.0)
@@ -97,7 +97,9 @@ class KeyframePictures:
         values = np.clip(again.shared.values, low, high)  # not away from those found with poses
         return self._proposal(found, replace(again.shared, values=values))
 
-    def with_poses(self, found: SizesFound, up: Sequence[float]) -> Proposal | None:
+    def with_poses(
+        self, found: SizesFound, Ts_world_camera: Array, up: Sequence[float]
+    ) -> Proposal | None:
         """The sizes found, and the limbs posed for them."""
         free = np.zeros_like(found.changed)
         fit = replace(self.fit, free=free, trunk_rad=STIFF_RAD, turns_rad=PROPOSED_RAD)
@@ -108,11 +110,11 @@ class KeyframePictures:
         posed = [
             self._as_set(pose, s) for pose, s in zip(again.shared.poses, start.poses, strict=True)
         ]
-        before = _floating(self.fit.proportions.body, self.fit.posed, up)
+        before = _floating(self.fit.proportions.body, self.fit.posed, Ts_world_camera, up)
         body = self.fit.proportions.body_at(found.shared.sizes)
         for share in LESS:
             poses = [_between(s, p, share) for s, p in zip(start.poses, posed, strict=True)]
-            if _floating(body, poses, up) <= before + FLOATING_M:
+            if _floating(body, poses, Ts_world_camera, up) <= before + FLOATING_M:
                 return self._proposal(found, Shared(found.shared.values, tuple(poses)))
         return None
 
@@ -160,11 +162,18 @@ class KeyframePictures:
         return self.scale * float(np.sqrt((known**2).mean())) if known.size else np.inf
 
 
-def _floating(body: Body, poses: Sequence[Pose], up: Sequence[float]) -> float:
-    """Return by how much the height of the body's lowest point varies along up (3,), metres."""
+def _floating(
+    body: Body, poses: Sequence[Pose], Ts_world_camera: Array, up: Sequence[float]
+) -> float:
+    """Return by how much the height of the body's lowest point varies along up (3,) of the world,
+    metres; Ts_world_camera (K, 4, 4) at the poses.
+    """
     skeleton = Skeleton.of(body)
-    mesh, up_camera = BodyMesh.of(skeleton), np.asarray(up) / np.linalg.norm(up)
-    lowest = [(mesh.posed(pose_transforms(skeleton, pose)) @ up_camera).min() for pose in poses]
+    mesh, up_world = BodyMesh.of(skeleton), np.asarray(up) / np.linalg.norm(up)
+    lowest = [
+        (mesh.posed(T @ pose_transforms(skeleton, pose)) @ up_world).min()
+        for T, pose in zip(Ts_world_camera, poses, strict=True)
+    ]
     return float(np.ptp(lowest))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.raster import BodyMesh
 from keypose.tracker.fitting.sizes.contours import (
     ColourModels,
@@ -84,8 +84,7 @@ def contours(fit: SharedFit, shared: Shared, looked: Sequence[int]) -> list[Cont
     """The contours of the poses of these indices."""
     mesh, ratios = BodyMesh.of(fit.proportions.skeleton), fit.proportions.ratios(shared.sizes)
     sized = replace(mesh, vertices=mesh.vertices * ratios[mesh.vertex_part])
-    camera = shared.focus(fit.camera)
-    return [contour_of(sized, fit.transforms(shared, k), camera) for k in looked]
+    return [contour_of(sized, fit.transforms(shared, k), fit.lens(shared, k)) for k in looked]
 
 
 def contour_rows(
@@ -102,12 +101,13 @@ def contour_rows(
     )
 
 
-def joint_rows(fit: SharedFit, posed: Pose) -> Residuals:
-    """Joints and landmarks stay about where they were posed in the picture."""
-    skeleton = fit.proportions.skeleton
+def joint_rows(fit: SharedFit, k: int) -> Residuals:
+    """Joints and landmarks stay about where they were posed in picture k."""
+    skeleton, posed = fit.proportions.skeleton, fit.posed[k]
+    camera = fit.camera.zoomed(float(fit.zoom[k]))
     places = [place for (place,) in joints_and_landmarks(skeleton).points]
     parts, points = (np.array(some) for some in zip(*places, strict=True))
-    uv = fit.camera.project(carried(pose_transforms(skeleton, posed), parts, points))
+    uv = camera.project(carried(pose_transforms(skeleton, posed), parts, points))
     normals = np.repeat(np.eye(2), len(parts), axis=0)
     sigma = np.full(2 * len(parts), POSED_JOINT_PX)
     return Residuals(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)

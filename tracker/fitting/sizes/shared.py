@@ -85,10 +85,9 @@ class Shared:
         focal, distance = self.values[-2:]
         return np.exp([distance, distance, distance + focal])
 
-    def focus(self, camera: Camera) -> Camera:
-        """A camera with the focal length found."""
-        ratio = float(np.exp(self.values[-2]))
-        return camera.model_copy(update={"fx": camera.fx * ratio, "fy": camera.fy * ratio})
+    def focus(self, camera: Camera, zoom: float = 1.0) -> Camera:
+        """A camera with the focal length found, zoomed."""
+        return camera.zoomed(zoom * float(np.exp(self.values[-2])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,11 +97,13 @@ class SharedFit:
     free (S + 2,): which of the shared values may change; usual (S + 2,): their sigmas in general,
     share (S + 2,): and here. poses_free: whether poses may change besides what is shared.
     turns_rad, trunk_rad (3,): sigmas of the turns of limbs and of the trunk.
+    zoom (K,): each picture's focal length as a multiple of the camera's.
     """
 
     proportions: Proportions
     camera: Camera
     posed: tuple[Pose, ...]
+    zoom: Array
     limits: Limits
     free: NDArray[np.bool_]
     usual: Array
@@ -121,6 +122,10 @@ class SharedFit:
         lengths[:-2:2] = 1 / len(self.proportions.groups)
         return np.diag(self.share**-2.0) + np.outer(lengths, lengths) / HEIGHT_SHARE**2
 
+    def lens(self, shared: Shared, k: int) -> Camera:
+        """The camera as it took picture k."""
+        return shared.focus(self.camera, float(self.zoom[k]))
+
     def transforms(self, shared: Shared, k: int) -> Array:
         """Ts_camera_part (P, 4, 4) in picture k."""
         pose = shared.poses[k]
@@ -134,7 +139,7 @@ class SharedFit:
 
     def pixels(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 2) where the points of the rows are seen."""
-        return shared.focus(self.camera).project(self.camera_points(shared, k, residuals))
+        return self.lens(shared, k).project(self.camera_points(shared, k, residuals))
 
     def with_step(self, shared: Shared, step: Array) -> Shared:
         """The shared values changed by a step (S + 2,), and where the poses are along with it."""
@@ -281,7 +286,7 @@ def _pose_jacobian(fit: SharedFit, shared: Shared, k: int, residuals: Residuals)
     pose, skeleton = shared.poses[k], fit.proportions.skeleton_at(shared.sizes)
     p = fit.camera_points(shared, k, residuals)
     J = Posed.of(skeleton, pose).point_jacobian(residuals.parts, p)
-    uv = image_jacobian(shared.focus(fit.camera), p, J)
+    uv = image_jacobian(fit.lens(shared, k), p, J)
     return np.asarray(np.einsum("mdc,mc->md", uv, residuals.normals))
 
 

@@ -27,6 +27,8 @@ from keypose.tracker.fitting.sizes.proposals import UP_CAMERA, KeyframePictures,
 from keypose.tracker.fitting.sizes.residuals import Pictures
 from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.solver.sigmas import (
     DISTANCE_SHARE,
@@ -84,12 +86,13 @@ def fit_sizes(
     masks: Sequence[IgnoreMask] = (),
     cancelled: Callable[[], bool] = never,
     up: Sequence[float] | None = None,
+    path: CameraPath | None = None,
 ) -> SizesFitted:
     """Sizes at which the body, posed at several keyframes, fits all of the pictures.
 
-    up (3,): in the camera frame, −y where left out; along it the feet must not float more than
-    before. SessionError
-    with fewer than two keyframes. Sizes that cannot be observed stay.
+    up (3,): in the world, −y where left out; along it the feet must not float more than before.
+    path: of the camera over the film; None where it is the world. SessionError with fewer than two
+    keyframes. Sizes that cannot be observed stay.
     """
     if len(keyposes) < 2:
         raise SessionError("Sizes are fitted to two keyframes or more: pose a second one first.")
@@ -97,7 +100,12 @@ def fit_sizes(
     size = WorkingSize.for_camera(camera, 1)
     looked = np.unique(np.linspace(0, len(frames) - 1, MOST_LOOKED).round().astype(int))
     pictures = Pictures.of(video, camera, size, [frames[k] for k in looked], masks)
-    fit = _set_up(body, size.camera(camera), [keyposes[frame] for frame in frames], focal)
+    path = (
+        CameraPath.standing_still(len(frames)) if path is None else path.sampled(np.array(frames))
+    )
+    fit = _set_up(
+        body, size.camera(camera), [keyposes[frame] for frame in frames], path.zoom, focal
+    )
     found = _find_sizes(fit, pictures, looked.tolist(), focal, cancelled)
     if found is None:
         return SizesFitted("Fitting was cancelled.")
@@ -107,7 +115,7 @@ def fit_sizes(
         fit, camera, pictures, looked.tolist(), frames, 2.0**size.halvings, cancelled
     )  # fmt: skip
     alone = look.alone(found)
-    with_poses = look.with_poses(found, up or UP_CAMERA)
+    with_poses = look.with_poses(found, path.Ts_world_camera, up or UP_CAMERA)
     if cancelled():
         return SizesFitted("Fitting was cancelled.")
     if alone is None and with_poses is None:
@@ -117,7 +125,9 @@ def fit_sizes(
     )
 
 
-def _set_up(body: Body, camera: Camera, posed: Sequence[Pose], focal: bool) -> SharedFit:
+def _set_up(
+    body: Body, camera: Camera, posed: Sequence[Pose], zoom: Array, focal: bool
+) -> SharedFit:
     proportions = Proportions.of(body)
     perspective = camera.projection == "perspective"
     free = np.ones(proportions.count + 2, dtype=np.bool_)
@@ -126,7 +136,7 @@ def _set_up(body: Body, camera: Camera, posed: Sequence[Pose], focal: bool) -> S
     sizes = np.where(is_trunk[:, None], TRUNK_SHARES, (LENGTH_SHARE, WIDTH_SHARE)).ravel()
     share = np.append(sizes, (FOCAL_SHARE, DISTANCE_SHARE))
     allowed = Limits.of(body).widened([pose.Rs_parent_part for pose in posed])
-    return SharedFit(proportions, camera, tuple(posed), allowed, free, share, share)
+    return SharedFit(proportions, camera, tuple(posed), zoom, allowed, free, share, share)
 
 
 def _find_sizes(

@@ -295,7 +295,7 @@ class _AheadRun:
             self._report(step.trajectory)
 
     def _report(self, motion: Trajectory) -> None:
-        self.emit(self.tracker.as_taken(self.line.motion(motion)))
+        self.emit(self.tracker.as_filmed(self.line.motion(motion)))
 
     def _so_far(self) -> Trajectory:
         if self.trusted is not None:
@@ -305,12 +305,12 @@ class _AheadRun:
 
     @property
     def _start(self) -> Pose:
-        return self.tracker.steadied(self.line.frame)
+        return self.tracker.keyposes[self.line.frame]
 
     def _found(self, motion: Trajectory, stop: Stop) -> FoundAhead:
         line = self.line
-        taken = self.tracker.as_taken(line.motion(motion))
-        return FoundAhead(line.frame, line.direction, taken, stop, self.notes)
+        found = self.tracker.as_filmed(line.motion(motion))
+        return FoundAhead(line.frame, line.direction, found, stop, self.notes)
 
 
 def _cut(motion: Trajectory, last: int) -> Trajectory:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from threading import Lock
 from typing import TYPE_CHECKING, Protocol
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from keypose.tracker.body.skeleton import Skeleton
     from keypose.tracker.geometry.camera import Camera
     from keypose.tracker.geometry.camera_path import CameraPath
-    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.geometry.steady import SteadyCamera
     from keypose.tracker.session.annotations import KeypointCorrection
     from keypose.tracker.tracking.segment import Segment
     from keypose.tracker.video import Video
@@ -184,31 +184,35 @@ class CorrectedKeypoints:
 
 
 @dataclass(frozen=True, eq=False)
-class KeypointsAtOneFocal:
-    """Keypoints of another source as the camera sees them at its own focal length.
-
-    zoom (F,): the focal length of every frame of the film, as a multiple of the camera's.
-    """
+class SteadyKeypoints:
+    """Keypoints of another source as a steady camera would have seen them, which poses are for."""
 
     source: KeypointSource
-    camera: Camera
-    zoom: Array
+    steady: SteadyCamera
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
-        return self._seen(self.source.over(segment, skeleton, report))
+        start = self._as_filmed(segment.first_frame, segment.start)
+        end = self._as_filmed(segment.last_frame, segment.end)
+        return self._seen(
+            self.source.over(replace(segment, start=start, end=end), skeleton, report)
+        )
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        return self._seen(self.source.at(frame, skeleton, pose))
+        return self._seen(self.source.at(frame, skeleton, self._as_filmed(frame, pose)))
 
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
     ) -> Keypoints | None:
-        return self._seen(self.source.beyond(frame, last, skeleton, pose, report))
+        filmed = self._as_filmed(frame, pose)
+        return self._seen(self.source.beyond(frame, last, skeleton, filmed, report))
+
+    def _as_filmed(self, frame: int, pose: Pose) -> Pose:
+        return pose.carried(self.steady.Ts_camera_steady[frame])
 
     def _seen(self, found: Keypoints | None) -> Keypoints | None:
-        return None if found is None else found.at_one_focal(self.camera, self.zoom)
+        return None if found is None else found.steadied(self.steady)
 
 
 class _NotKept(Exception):
