@@ -178,7 +178,8 @@ def _sized(
     share[-1] = DISTANCE_SHARE
     limits = Limits.of(body).widened([pose.Rs_parent_part for pose in poses])
     rows = [_residuals(*frame) for frame in marked]
-    fit = SharedFit(proportions, ideal, tuple(poses), limits, free, share, share)
+    one_focal = np.ones(len(poses))
+    fit = SharedFit(proportions, ideal, tuple(poses), one_focal, limits, free, share, share)
     found = solve(fit, Shared(np.zeros(len(free)), tuple(poses)), rows, STEPS).shared
     return Skeleton.of(proportions.body_at(found.sizes)), found.poses
 
