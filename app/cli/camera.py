@@ -10,7 +10,7 @@ import numpy as np
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.document.folder_lock import locked
-from keypose.app.jobs.find_camera import find_saved, found_words
+from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.tracker.session import Session
 from keypose.tracker.storage.camera_motion import FoundCamera
 from keypose.tracker.storage.files import load_session, save_session
@@ -26,7 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             with share_reporter(arguments.json) as report:
                 found = find_saved(session, path, arguments.kind, report)
-            after = found.applied(session)
+            after = with_found(session, found)
         if not arguments.dry_run:
             save_session(after, path)
     _print(found, after, arguments)
@@ -38,7 +38,7 @@ def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namesp
         print_json(_facts(found, arguments))
         return
     print("The camera is as it was." if found is None else found_words(found))
-    if found is not None and found.focal is not None:
+    if found is not None and found.focal is not None and found.lens is None:
         share, sigma = found.focal
         focal = after.view.camera.focal_mm
         print(

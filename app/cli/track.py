@@ -10,7 +10,7 @@ from keypose.app.cli.arguments import order_of
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.cli.outcome import locked_place, track_and_save
 from keypose.app.editor.camera import as_taken
-from keypose.app.jobs.find_camera import find_saved, found_words, is_camera_wanted
+from keypose.app.jobs.find_camera import find_saved, found_words, is_camera_wanted, with_found
 from keypose.app.jobs.rerun import require_trackable, with_settings
 from keypose.app.orders.tracking import FilmTaken, TrackOrder, said
 from keypose.tracker.errors import SessionError
@@ -36,7 +36,7 @@ def _with_camera(session: Session, asked: Session, arguments: argparse.Namespace
         return session
     with locked_place(arguments) as place, share_reporter(arguments.json) as report:
         found = find_saved(asked, arguments.session, None, report)
-        session = found.applied(session)
+        session = with_found(session, found)
         if arguments.out is None:
             save_session(session, place)
     print(found_words(found), file=sys.stderr, flush=True)

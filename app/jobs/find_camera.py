@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
+from keypose.app.editor.documents import moved_away
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
-from keypose.app.words.camera import NO_SCALE, camera_sentence, finding_sentences
+from keypose.app.words.camera import camera_sentence, finding_sentences, lens_sentence
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -35,10 +37,22 @@ def found_words(found: FoundCamera) -> str:
     if motion is not None and np.isfinite(motion.errors_px).any():
         error = float(np.nanmedian(motion.errors_px))
     zooms = motion is not None and motion.path.zooms
-    words = [camera_sentence(found.kind, zooms, error), *finding_sentences(found.findings)]
-    if motion is not None and motion.unscaled:
-        words.append(NO_SCALE)
-    return " ".join(words)
+    unscaled = () if motion is None else motion.unscaled
+    words = [camera_sentence(found.kind, zooms, error)]
+    if found.lens is not None:
+        words.append(lens_sentence(found.lens.focal_mm))
+    return " ".join([*words, *finding_sentences((*found.findings, *unscaled))])
+
+
+def with_found(session: Session, found: FoundCamera) -> Session:
+    """The session with what was found of its camera. A lens that was a guess and turns out as
+    another moves what is posed along the line of sight, so that it is seen as large as before."""
+    after = found.applied(session)
+    if found.lens is None:
+        return after
+    farther = found.lens.fx / session.view.camera.fx
+    after = after.changed({"camera": found.lens, "lens_source": "turns"})
+    return moved_away(after, Skeleton.of(session.subject.body), farther)
 
 
 def is_camera_wanted(session: Session) -> bool:
@@ -116,5 +130,5 @@ class FindCamera(Fit):
 
     def apply(self, found: FoundCamera, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
-        after = edit.with_step(found.applied(edit.doc), LABEL)
+        after = edit.with_step(with_found(edit.doc, found), LABEL)
         return replace(state, edit=after), found_words(found)

@@ -26,11 +26,10 @@ _FINDINGS: Final = {
     "not_in_file": "{frames}: the imported file does not have them. The camera is bridged there.",
     "no_parallax": "{frames}: nothing shows that the camera went anywhere. It is taken to turn "
     "alone.",
+    "no_scale": "{frames}: how far the camera went is known but for its scale, so it is taken to "
+    "turn alone. Track the body, and stand it on the floor or find the camera again: feet that "
+    "stand still tell the scale.",
 }
-NO_SCALE: Final = (
-    "How far the camera went is known but for its scale, so it is taken to turn alone: track the "
-    "body, and stand it on the floor or find the camera again. Feet that stand still tell it."
-)
 
 
 def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
@@ -41,6 +40,11 @@ def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
     if error_px is None:
         return f"{words}."
     return f"{words}: background points agree within {error_px:.2g} px."
+
+
+def lens_sentence(focal_mm: float) -> str:
+    """Say which lens its turns told, in place of a guess."""
+    return f"Its turns tell a lens of {focal_mm:.0f} mm, which was a guess before."
 
 
 def finding_sentence(found: CameraFinding) -> str:

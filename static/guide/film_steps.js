@@ -133,7 +133,7 @@ function distance() {
 }
 
 /** What counts as an answer to the question of the lens. */
-const ANSWERS = ['person', 'calibration', 'fitted', 'guess'];
+const ANSWERS = ['person', 'calibration', 'fitted', 'turns', 'guess'];
 
 /** @type {import('./steps.js').Step[]} */
 const IN_FILM = [

@@ -49,7 +49,7 @@
  * @property {number | null} telephoto_distance_m
  * @property {number} fov_deg
  * @property {number} focal_mm  Of the lens that shows as much on 35 mm film.
- * @property {'guess' | 'file' | 'person' | 'calibration' | 'fitted' | null} lens_source  Null until asked.
+ * @property {'guess' | 'file' | 'person' | 'calibration' | 'fitted' | 'turns' | null} lens_source  Null until asked.
  * @property {boolean} lens_is_guess
  * @property {number | null} depth_share  By what share distances may be off; null where the lens is known.
  * @property {Point} up

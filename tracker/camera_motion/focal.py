@@ -15,17 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from keypose.tracker.camera_motion.lens import Lens
-from keypose.tracker.camera_motion.turn import Turn, solve_turn
+from keypose.tracker.camera_motion.turn import Solved, Turn, solve_turn
 from keypose.tracker.geometry.rotations import Array
 
 MOST_PAIRS = 24
 LEAST_AWAY = 0.04
 """Way of the picture between a pair, as a share of its width, below which it says nothing."""
-GRID = np.linspace(-0.5, 0.5, 11)
+GRID = np.linspace(-0.8, 0.8, 33)
 """Logarithms of the focal lengths tried, and then so much nearer to the best."""
-NEARER = (0.08, 0.02)
+NEARER = (0.04, 0.01)
 NOISE_PX = 0.5
 """Of the cost's scale, size looked at."""
+MUCH_PX = 1e3
 MOST_DOUBT = 0.05
 """Standard deviation, as a share, above which nothing is said."""
 ASIDE_PX = 0.6
@@ -71,35 +72,46 @@ def focal_scale(lens: Lens, look: float, pairs: Sequence[Pair]) -> FocalScale | 
             return None
         if reach:
             near = best + np.linspace(-reach, reach, 5)
+    noise = [_noise(lens, look, pair, best) for pair in chosen]
+    costs = costs * (NOISE_PX / np.array(noise))[:, None] ** 2
     found = _least(near, costs.sum(axis=0))
     if found is None:
         return None
     at, sigma = found[0], max(found[1], _by_leaving_out(near, costs, found[0]))
     if sigma > MOST_DOUBT:
         return None
-    left = np.concatenate([_left(lens, look, pair, at)[0] for pair in chosen])
+    left = np.concatenate([_left(lens, look, pair, at) for pair in chosen])
     return FocalScale(float(np.exp(at)), sigma, float((left > ASIDE_PX).mean()))
 
 
 def _costs(lens: Lens, look: float, pair: Pair, logs: Array) -> Array:
-    """The costs, in squares of the noise, of focal lengths' logarithms."""
-    return np.array([_left(lens, look, pair, log)[1] for log in logs])
+    """The costs of focal lengths' logarithms, all of one scale, so that they are smooth."""
+    squares = np.stack([_left(lens, look, pair, log) for log in logs]) ** 2 / NOISE_PX**2
+    return np.asarray((squares / (1 + squares)).sum(axis=1))
 
 
-def _left(lens: Lens, look: float, pair: Pair, log: float) -> tuple[Array, float]:
-    """Return what a focal length leaves of each point (K,), pixels looked at, and its cost."""
+def _noise(lens: Lens, look: float, pair: Pair, log: float) -> float:
+    """The standard deviation of what a focal length leaves of its points, pixels looked at."""
+    solved = _solved(lens, look, pair, log)
+    return NOISE_PX if solved is None else max(NOISE_PX / 2, solved.noise_px)
+
+
+def _left(lens: Lens, look: float, pair: Pair, log: float) -> Array:
+    """What a focal length leaves of each point (K,), pixels looked at; much where it explains
+    none."""
+    solved = _solved(lens, look, pair, log)
+    if solved is None:
+        return np.full(len(pair.one), MUCH_PX)
+    return np.asarray(np.linalg.norm(solved.residual_px, axis=1))
+
+
+def _solved(lens: Lens, look: float, pair: Pair, log: float) -> Solved | None:
     tried, (zoom, other) = lens.scaled(float(np.exp(log))), pair.zooms
     directions = tried.directions(pair.one, zoom)
     seen = tried.flat(pair.other, other) / zoom
-    focal_px = tried.focal_px * look * zoom
     start = [Turn(np.eye(3), other / zoom)]
-    solved = solve_turn(directions, seen, focal_px, np.ones(len(seen)), start)
-    if solved is None:
-        return np.full(len(seen), np.inf), float(len(seen))
-    error = np.linalg.norm(solved.residual_px, axis=1)
-    noise = max(NOISE_PX / 2, solved.noise_px)
-    squares = (error / NOISE_PX) ** 2
-    return error, float((squares / (1 + squares)).sum() * (NOISE_PX / noise) ** 2)
+    focal_px = tried.focal_px * look * zoom
+    return solve_turn(directions, seen, focal_px, np.ones(len(seen)), start)
 
 
 def _least(logs: Array, costs: Array) -> tuple[float, float] | None:

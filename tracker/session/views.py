@@ -17,7 +17,7 @@ from keypose.tracker.session.keyframe import Quaternion
 from keypose.tracker.session.references import KeypointFile, Surface, VideoReference
 from keypose.tracker.session.settings import IgnoreMask, Plain, Position, SceneId, is_unknown
 
-LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted"]
+LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted", "turns"]
 
 
 class View(Plain):
@@ -41,7 +41,8 @@ class View(Plain):
     lens_source: LensSource | None = Field(
         default=None,
         exclude_if=is_unknown,
-        description="What the camera's focal length rests on; left out where nobody was asked.",
+        description="What the camera's focal length rests on: fitted, with the sizes to keyframes; "
+        "turns, as the camera's own turning tells. Left out where nobody was asked.",
     )
     keypoints: KeypointFile | None = Field(
         default=None,

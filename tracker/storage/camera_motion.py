@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -20,16 +21,21 @@ from keypose.tracker.camera_motion import (
     CameraKind,
     Finding,
     FollowedPoints,
+    MovedPath,
     PathScale,
     StandingPoint,
     find_camera_motion,
     find_moved_path,
     scale_from_stances,
 )
+from keypose.tracker.camera_motion import (
+    CameraMotion as TurnedCamera,
+)
 from keypose.tracker.camera_motion.background import BodyBackground
 from keypose.tracker.camera_motion.body_scale import scale_from_smoothness
 from keypose.tracker.errors import CameraError
 from keypose.tracker.files import read_own
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.model_files import cache_folder
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
@@ -44,8 +50,16 @@ from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 
-TURN_SHARE: Final = 0.5
-"""Of the work, finding how the camera turns; where it went takes the rest."""
+PASS_SHARE: Final = 0.5
+"""Of the work that is left, each reading of the film but the last."""
+MOST_LENSES: Final = 3
+"""Focal lengths with which a film is looked at, where that is a guess."""
+SURE: Final = 3.0
+"""Standard deviations by which its turns have to tell another focal length."""
+LEAST_OFF: Final = 0.01
+"""A focal length that is off by less stays."""
+LEAST_GAIN: Final = 0.8
+"""Share of the error of a guessed lens that one told by the turns may leave."""
 MOST_KEPT: Final = 40
 """Films whose points are kept."""
 LARGEST_BYTES: Final = 2**30
@@ -58,6 +72,7 @@ class FoundCamera:
     motion: None where it stands still.  points: of the background, good and refused; None once they
         are kept.  findings: of all that is doubtful.  focal: the focal length that its turns tell,
         as a share of the camera's, and the standard deviation of that; None where they do not.
+    lens: the camera as its turns tell it, where its focal length was a guess and is off; else None.
     """
 
     kind: CameraKind
@@ -65,6 +80,7 @@ class FoundCamera:
     points: FollowedPoints | None
     findings: tuple[CameraFinding, ...]
     focal: tuple[float, float] | None
+    lens: Camera | None = None
 
     def applied(self, session: Session) -> Session:
         """The session with this motion of its camera; whether that stands still is as found."""
@@ -86,32 +102,94 @@ def find_camera(
     poses: of the body where it is known, by frame: it is no background.  kind: where it is known
     how the camera moves.  report: receives the share that is done; what it raises ends the work.
     """
-    camera = session.view.camera
-    background = BodyBackground(
-        Skeleton.of(session.subject.body), camera, poses, session.view.ignore_masks
-    )
-    count = session.view.video.frame_count
-    found = find_camera_motion(
-        _greys(video), camera, count, background, fixed=kind,
-        progress=lambda done, expected: report(TURN_SHARE * done / expected),
-    )  # fmt: skip
+    film = _Film(session, video, poses, report)
+    given = session.view.camera
+    camera, found = given, film.turned(given, kind)
+    if session.view.lens_is_guess:
+        camera, found = _with_its_lens(film, camera, found, kind)
     focal = None if found.focal is None else (found.focal.scale, found.focal.sigma)
     findings = tuple(map(_finding, found.findings))
     if found.path is None or found.kind == "static":
         return FoundCamera("static", None, found.points, findings, focal)
+    motion = None
     if found.kind == "moves":
-        moved = find_moved_path(
-            _greys(video), camera, count, background,
-            progress=lambda done, expected: report(TURN_SHARE + (1 - TURN_SHARE) * done / expected),
-        )  # fmt: skip
+        moved = film.moved(camera)
         if moved.moves:
             findings = tuple(map(_finding, moved.findings))
             pieces = tuple(CameraPiece(first_frame=each, metres=None) for each in moved.pieces)
             motion = CameraMotion.of("moves", moved.path, moved.error_px, findings, pieces=pieces)
-            return FoundCamera("moves", motion, found.points, findings, focal)
-    pieces = tuple(CameraPiece(first_frame=each) for each in found.pieces)
-    motion = CameraMotion.of("turns", found.path, found.error_px, findings, pieces=pieces)
-    return FoundCamera("turns", motion, found.points, findings, focal)
+        elif kind == "moves":
+            last = session.view.video.frame_count - 1
+            findings += (CameraFinding(kind="no_parallax", first_frame=0, last_frame=last),)
+    if motion is None:
+        pieces = tuple(CameraPiece(first_frame=each) for each in found.pieces)
+        motion = CameraMotion.of("turns", found.path, found.error_px, findings, pieces=pieces)
+    lens = None if camera is given else camera
+    return FoundCamera(motion.kind, motion, found.points, findings, focal, lens)
+
+
+@dataclass(eq=False)
+class _Film:
+    """The pictures of a film, read once for every pass over them, and what of them is background.
+
+    done: the share of the work that is done, as far as anybody knows how many passes there will be.
+    """
+
+    session: Session
+    video: Video
+    poses: Mapping[int, Pose]
+    report: Callable[[float], None]
+    done: float = 0.0
+
+    @cached_property
+    def background(self) -> BodyBackground:
+        view, skeleton = self.session.view, Skeleton.of(self.session.subject.body)
+        return BodyBackground(skeleton, view.camera, self.poses, view.ignore_masks)
+
+    @property
+    def frame_count(self) -> int:
+        return self.session.view.video.frame_count
+
+    def turned(self, camera: Camera, kind: CameraKind | None) -> TurnedCamera:
+        """How the camera turned, were this its lens."""
+        return find_camera_motion(
+            _greys(self.video), camera, self.frame_count, self.background, kind,
+            self._pass(PASS_SHARE),
+        )  # fmt: skip
+
+    def moved(self, camera: Camera) -> MovedPath:
+        """Where the camera went."""
+        count, progress = self.frame_count, self._pass(1.0)
+        return find_moved_path(_greys(self.video), camera, count, self.background, progress)
+
+    def _pass(self, share: float) -> Callable[[int, int], None]:
+        """Report of a pass that takes a share of what is left."""
+        start, length = self.done, share * (1 - self.done)
+        self.done = start + length
+        return lambda done, expected: self.report(start + length * done / expected)
+
+
+def _with_its_lens(
+    film: _Film, camera: Camera, found: TurnedCamera, kind: CameraKind | None
+) -> tuple[Camera, TurnedCamera]:
+    """The camera and its motion, with the focal length that its own turning tells, where that is
+    another one for sure and the background agrees better with it."""
+    first, best = found, (camera, found)
+    for _ in range(MOST_LENSES - 1):
+        focal = found.focal
+        if focal is None or abs(np.log(focal.scale)) < max(SURE * focal.sigma, LEAST_OFF):
+            break
+        camera = camera.zoomed(focal.scale)
+        found = film.turned(camera, kind)
+        if found.kind == "turns" and _error(found) < LEAST_GAIN * _error(first):
+            best = camera, found
+    return best
+
+
+def _error(found: TurnedCamera) -> float:
+    """The usual error of the background's points, pixels; infinite where there is none."""
+    known = found.error_px[np.isfinite(found.error_px)]
+    return float(np.median(known)) if known.size else np.inf
 
 
 def _finding(one: Finding) -> CameraFinding:

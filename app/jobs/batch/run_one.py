@@ -14,7 +14,7 @@ from keypose.app.export.motion_files import motion_files, saved_motion
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.task import Export, SegmentSummary, State, Step, Summary, Task
-from keypose.app.jobs.find_camera import find_saved, is_camera_wanted
+from keypose.app.jobs.find_camera import find_saved, is_camera_wanted, with_found
 from keypose.app.jobs.job import Finished, Progress
 from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.rerun import (
@@ -122,7 +122,7 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     session = _as_exported(session, task.session)
     asked = with_settings(session, task.order)
     if is_camera_wanted(asked):
-        session = find_saved(asked, task.session).applied(session)
+        session = with_found(session, find_saved(asked, task.session))
         save_session(session, task.session)
         asked = with_settings(session, task.order)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)

@@ -43,7 +43,7 @@ def camera_motion(app_state: AppState) -> Json:
                 "last": one.last_frame,
                 "words": finding_sentence(one),
             }
-            for one in motion.findings
+            for one in (*motion.findings, *motion.unscaled)
         ],
         "path": None if path is None else _places(path),
     }

@@ -83,6 +83,36 @@ def test_a_batch_finds_it_where_the_session_says_so(path: Path) -> None:
     assert load_session(path).camera_path is not None
 
 
+@pytest.mark.parametrize("share", [0.6, 0.8, 1.4])
+def test_a_lens_that_was_a_guess_is_told_by_the_turns_and_the_body_is_seen_as_before(
+    path: Path, share: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guess = panned.CAMERA.zoomed(share)
+    before = load_session(path).changed({"camera": guess, "lens_source": "guess"})
+    save_session(before, path)
+    assert main(["camera", str(path)]) == 0
+    assert "Its turns tell a lens of" in capsys.readouterr().out
+    after = load_session(path)
+    assert after.view.camera.fx == pytest.approx(panned.CAMERA.fx, rel=0.02)
+    assert after.view.lens_source == "turns"
+    found = after.camera_path
+    assert found is not None
+    assert not found.zooms
+    roots = [
+        session.view.camera.project(np.array([k.root_m for k in session.subject.keyframes]))
+        for session in (before, after)
+    ]
+    assert np.allclose(*roots, atol=1e-6)
+
+
+def test_a_lens_that_somebody_knows_stays(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = load_session(path).changed({"camera": panned.CAMERA.zoomed(0.8)})
+    save_session(before, path)
+    assert main(["camera", str(path)]) == 0
+    assert "the session has" in capsys.readouterr().out
+    assert load_session(path).view.camera == before.view.camera
+
+
 def test_one_word_leaves_the_camera_as_it_was(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
