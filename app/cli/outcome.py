@@ -23,6 +23,7 @@ from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Results, Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import open_video_of, session_json, with_present_fingerprints
+from keypose.tracker.storage.fingerprints import shows_background
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.sidecars import carry_beside
 
@@ -91,11 +92,12 @@ def _say_what_was_found(session: Session) -> None:
 
 def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> None:
     """Say what was asked for in this run and cannot be had."""
-    shown = session.has_static_camera or is_persons(session.subject.body)
+    shown = shows_background(session) or is_persons(session.subject.body)
     if "silhouette" in (getattr(arguments, "cues", None) or ()) and not shown:
         words = (
-            "The camera does not stand still and the body is no person's: the silhouette is left "
-            "out. --static-camera yes says that the camera stands still."
+            "No background is known and the body is no person's: the silhouette is left out. "
+            "--static-camera yes says that the camera stands still, and `keypose camera` finds how "
+            "one turns; then --cues brightness,silhouette has a background."
         )
         print(words, file=sys.stderr, flush=True)
 

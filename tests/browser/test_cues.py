@@ -95,7 +95,7 @@ def test_of_a_box_there_are_no_keypoints(browser: Browser, tmp_path: Path) -> No
         assert off.get_attribute("title") == "Needs a person’s body"
         assert off.get_attribute("aria-checked") == "false"
         silhouette = cue(page, "Silhouette").get_attribute("title")
-        assert silhouette == "Needs a static camera or a person’s body"
+        assert silhouette == "Needs a person’s body, or a camera that stands still or turns"
         assert cue(page, "Brightness").get_attribute("aria-checked") == "true"
         screen(page, "cues-4-box")
         assert section(page, "settings.cues") == ["brightness"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
+from keypose.tracker.storage.files import load_session, save_session
 from tests.browser.interaction import answered, drag, section, settled, spot, until, until_state
 from tests.browser.shared import Desk, desk
 from tests.browser.test_surface import SAMPLE, arms
@@ -290,8 +290,8 @@ def unposed_arms(browser: Browser, folder: Path) -> Iterator[Desk]:
     """The page of observed surfaces in which nothing has been posed yet."""
     place = folder / "arms"
     shutil.copytree(SAMPLE, place)
-    session = json.loads((place / "session.json").read_text())
-    (place / "session.json").write_text(json.dumps(session | {"keyframes": [], "results": None}))
+    session = load_session(place / "session.json")
+    save_session(session.changed({"keyframes": (), "results": None}), place / "session.json")
     with arms(browser, folder, drawn=False) as desk:
         yield desk
 

@@ -152,6 +152,12 @@ def background_turns(session: Session) -> Array | None:
     return turns_of(session.view.camera, motion)
 
 
+def shows_background(session: Session) -> bool:
+    """Return whether the empty scene is known: before a camera that stands still, or turns alone
+    and is tracked without keypoints."""
+    return session.has_static_camera or background_turns(session) is not None
+
+
 @lru_cache(maxsize=4)
 def turns_of(camera: Camera, motion: CameraMotion) -> Array:
     """How the steady camera of one that turns is turned from the world, (F, 3, 3)."""
@@ -307,7 +313,7 @@ def _cues(session: Session) -> list[Any]:
     """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
-        if session.has_static_camera or background_turns(session) is not None:
+        if shows_background(session):
             cues += ["silhouette"]
         elif is_persons(session.subject.body):
             cues += ["person", _digest(settings.network_used)]

@@ -20,6 +20,7 @@ from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import (
     background_turns,
     segment_keys,
+    shows_background,
     steady_camera,
     without_part_keyframes,
 )
@@ -125,8 +126,7 @@ def _found_keypoints(
 
 
 def _needs_masks(session: Session) -> bool:
-    shown = session.has_static_camera or background_turns(session) is not None
-    return "silhouette" in session.settings.cues_used and not shown
+    return "silhouette" in session.settings.cues_used and not shows_background(session)
 
 
 def _people(session: Session, video: Video) -> DetectedKeypoints | None:

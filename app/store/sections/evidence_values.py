@@ -30,6 +30,7 @@ from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import ALL_CUES, Cue, TrackSettings
+from keypose.tracker.storage.fingerprints import shows_background
 from keypose.tracker.storage.pace import seconds_a_frame
 
 _TITLES: Final[Mapping[str, str]] = {
@@ -67,8 +68,8 @@ def _why_off(doc: Session, cue: Cue) -> str:
         return "Needs a person’s body"
     if doc.settings.method == "paper":
         return "Not in the published method"
-    if cue == "silhouette" and not (doc.has_static_camera or is_persons(doc.subject.body)):
-        return "Needs a static camera or a person’s body"
+    if cue == "silhouette" and not (shows_background(doc) or is_persons(doc.subject.body)):
+        return "Needs a person’s body, or a camera that stands still or turns"
     return ""
 
 
