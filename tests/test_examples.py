@@ -51,8 +51,8 @@ def test_example_2_tracks_a_leg_of_its_own_and_saves_it(tmp_path: Path) -> None:
     truth = {24: 16, 28: 14, 32: 7, 36: 6, 40: 8, 44: 18, 48: 42}  # of the rendered figure
     assert bends == pytest.approx(truth, abs=5)
     saved = tracker.load_session(tmp_path / "out" / "leg" / "session.json")
-    assert saved.body.names == ("thigh", "shin")
-    assert saved.results is not None
+    assert saved.subject.body.names == ("thigh", "shin")
+    assert saved.subject.results is not None
 
 
 def test_example_3_plots_the_knees_of_a_filmed_man(tmp_path: Path) -> None:

@@ -209,7 +209,7 @@ def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None 
 def _without_zoom(state: EditorState, seen: Camera) -> Camera:
     """The camera whose lens is this one at the present frame."""
     zoom = zoom_at(state.doc, state.frame)
-    return seen.model_copy(update={"fx": seen.fx / zoom, "fy": seen.fy / zoom})
+    return seen.zoomed(1 / zoom)
 
 
 def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:

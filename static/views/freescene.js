@@ -226,7 +226,7 @@ export function drawCameraPath(project) {
   const drawn = path_.T.map((T, i) => ({ T, i })).filter(({ i }) => i % every === 0);
   return svg`<g class="campath">
     <path class="way" d=${path(places.filter((p) => p[2] > NEAR_M))} />
-    ${drawn.map(({ T, i }) => svg`<path class="frustum" d=${frustum(project, T, path_.zoom[i])} />`)}</g>`;
+    ${drawn.map(({ T, i }) => svg`<path class="sight" d=${frustum(project, T, path_.zoom[i])} />`)}</g>`;
 }
 
 /** The pyramid of what a camera sees that stands so. */
