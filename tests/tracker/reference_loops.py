@@ -113,7 +113,7 @@ def pick(
     height, width = picture.shape[:2]
     chosen: list[int] = []
     starts = [0]
-    for first, last in zip(body.starts, body.starts[1:], strict=False):
+    for first, last, least in zip(body.starts, body.starts[1:], body.least, strict=False):
         fit = []
         for q in range(first, last, every):
             if not seen[q]:
@@ -121,7 +121,7 @@ def pick(
             column, row = (int(x) for x in uvz[q, :2] * np.float32(scale) + np.float32(0.5))
             if column + 1 >= width or row + 1 >= height:
                 continue
-            if picture[row, column, 3] == 1:
+            if picture[row, column, 3] >= least:
                 fit.append((float(np.hypot(*picture[row, column, 1:3])), q))
         groups = [fit[k : k + of] for k in range(0, len(fit), of)]
         chosen += [max(g, key=lambda x: x[0])[1] for g in groups if 2 * len(g) >= of]

@@ -17,7 +17,8 @@ class BodyArrays(NamedTuple):
     parents (P,) int64 · joints (P, 3) · dof_part, dof_turns, dof_axis (D,) int64 ·
     deeper (D, D) int64: of two degrees of freedom on one chain the part further from the root,
     −1 where neither hangs below the other · points, normals (S, 3) float32 in the part's frame ·
-    starts (P + 1,) int64: part i's points are starts[i] to starts[i + 1].
+    starts (P + 1,) int64: part i's points are starts[i] to starts[i + 1] · least (P,) float32: what
+    a pixel has to be for a part's points to be followed from it, USABLE or TARGET_ONLY.
     """
 
     parents: NDArray[np.int64]
@@ -29,6 +30,7 @@ class BodyArrays(NamedTuple):
     points: NDArray[np.float32]
     normals: NDArray[np.float32]
     starts: NDArray[np.int64]
+    least: NDArray[np.float32]
 
 
 class Freedoms(NamedTuple):

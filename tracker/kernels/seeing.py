@@ -105,7 +105,7 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
     """Choose which seen points to follow, with their brightness in the source picture.
 
     Of every `of` neighbours (after taking each `every`-th point) the one with the largest gradient
-    is kept; points on pixels that may not be a source (channel 3 below 1) are left out. Fills
+    is kept; points on pixels that may not be a source (channel 3 below `least`) are left out. Fills
     chosen (S,) int32, grey (S,) float32, starts (P + 1,) by part; `scale` is the pyramid level's.
     """
     height, width = picture.shape[0], picture.shape[1]
@@ -118,7 +118,9 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
             if seen[q] == 0:
                 continue
             column, row = np.uint64(uvz[q, X] * k + half), np.uint64(uvz[q, Y] * k + half)
-            if column + 1 >= width or row + 1 >= height or picture[row, column, USE] < f4(1):
+            if column + 1 >= width or row + 1 >= height:
+                continue
+            if picture[row, column, USE] < body.least[i]:
                 continue
             gx, gy = picture[row, column, Y], picture[row, column, Z]
             if group == 0 or gx * gx + gy * gy > best:

@@ -16,7 +16,9 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.kernels.layout import BodyArrays, Lens, Prior, Visibility
+from keypose.tracker.kernels.pairs import view
 from keypose.tracker.solver.sigmas import PREDICTED, MotionSigma
+from keypose.tracker.video.pyramid import TARGET_ONLY, USABLE, Picture
 
 POINT_SPACING_PX = 2.3
 MOST_POINTS, FEWEST_POINTS = 14000, 5000
@@ -26,6 +28,8 @@ COVER_TOLERANCE = 0.018
 """Of the body's size: how far a point may lie behind another part and still count as seen."""
 INFORMATION_PER_PIXEL = 0.0125
 """Independent observations per pixel: neighbouring pixels share texture and noise."""
+STOOD_SHARE, FEWEST_STOOD = 0.4, 8
+"""A part stood where the empty scene was taken if that leaves less of its points, of so many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +78,32 @@ class Scene:
 
     def of_skeleton(self, skeleton: Skeleton) -> Scene:
         """The same of the same body with other parts tracked."""
-        return replace(self, skeleton=skeleton, arrays=_arrays(skeleton, self.points))
+        arrays = _arrays(skeleton, self.points)._replace(least=self.arrays.least)
+        return replace(self, skeleton=skeleton, arrays=arrays)
+
+    def before_plate(self, shown: Sequence[tuple[Picture, Pose]]) -> Scene:
+        """The same, but parts that look as the empty scene does wherever they are posed stood there
+        when it was taken: they are followed as without it.
+
+        shown: pictures (h, w, 4) and the pose that each shows.
+        """
+        seen = np.array([self._seen(picture, pose, TARGET_ONLY) for picture, pose in shown])
+        used = np.array([self._seen(picture, pose, USABLE) for picture, pose in shown])
+        stood = (used < STOOD_SHARE * seen).all(axis=0) & (seen >= FEWEST_STOOD).all(axis=0)
+        least = np.where(stood, np.float32(TARGET_ONLY), np.float32(USABLE))
+        return replace(self, arrays=self.arrays._replace(least=least))
+
+    def _seen(self, picture: Picture, pose: Pose, least: float) -> NDArray[np.int64]:
+        """(P,) points of every part that a pose shows, on pixels of at least this use."""
+        size, parts = len(self.points.points), self.skeleton.part_count
+        chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
+        starts = np.empty(parts + 1, np.int64)
+        height, width = picture.shape[:2]
+        view(
+            self.arrays._replace(least=np.full(parts, least, np.float32)), self.lens,
+            self.visibility, width, height, picture, 1, *pose.writable(), chosen, grey, starts,
+        )  # fmt: skip
+        return np.diff(starts)
 
     def mark_pixels(self, trajectory: Trajectory) -> Array:
         """Return where the marks of every pose are seen: (N, M, 2) pixels."""
@@ -158,4 +187,5 @@ def _arrays(skeleton: Skeleton, points: SurfacePoints) -> BodyArrays:
         points.points,
         points.normals,
         points.starts,
+        np.full(len(skeleton.parents), USABLE, np.float32),
     )

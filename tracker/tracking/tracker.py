@@ -204,7 +204,13 @@ class Tracker:
 
         free: with all parts that carry keypoints free to turn.
         """
-        return self.scene_about([self.keyposes[frame] for frame in span], span, density, free)
+        poses = [self.keyposes[frame] for frame in span]
+        scene = self.scene_about(poses, span, density, free)
+        if not self._prepared.shows_background:
+            return scene
+        clip = self.loader(span).load(*span)
+        pictures = [clip.levels[0][frame - clip.first_frame] for frame in span]
+        return scene.before_plate(list(zip(pictures, poses, strict=True)))
 
     def scene_about(
         self, poses: Sequence[Pose], span: tuple[int, int], density: float, free: bool = False
