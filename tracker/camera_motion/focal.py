@@ -21,9 +21,9 @@ from keypose.tracker.geometry.rotations import Array
 MOST_PAIRS = 24
 LEAST_AWAY = 0.04
 """Way of the picture between a pair, as a share of its width, below which it says nothing."""
-GRID = np.linspace(-0.8, 0.8, 33)
+GRID = np.linspace(-0.8, 0.8, 17)
 """Logarithms of the focal lengths tried, and then so much nearer to the best."""
-NEARER = (0.04, 0.01)
+NEARER = (0.08, 0.02)
 NOISE_PX = 0.5
 """Of the cost's scale, size looked at."""
 MUCH_PX = 1e3

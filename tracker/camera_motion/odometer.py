@@ -24,7 +24,7 @@ from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Steadiness, Summary
 from keypose.tracker.camera_motion.territory import SYSTEMATIC_PX, Territory, covariance
 from keypose.tracker.camera_motion.turn import SCALES_PX, Shear, Solved, Turn, solve_turn
-from keypose.tracker.geometry.rotations import Array, log_rotation
+from keypose.tracker.geometry.rotations import Array
 
 Cause: TypeAlias = Literal["", "no_texture", "body_fills", "cut", "not_rigid", "no_picture"]
 """Why the camera is unknown at a frame; nothing where it is known."""
@@ -272,7 +272,7 @@ class Odometer:
             if change_px * self._zoom > LEAST_CHANGE_PX:
                 self.shutter.learn(solved.pull, solved.pull_information)
             return
-        scene.rate = log_rotation(self._step.R)
+        scene.rate = self._step.rotation
         tangents = scene.directions[:, :2] / scene.directions[:, 2:]
         scene.shifts = self.shutter.shifts(scene.anchor.uv, tangents, scene.rate)
 
@@ -282,8 +282,8 @@ class Odometer:
         """
         if self._lost:
             return np.zeros(3)
-        since = log_rotation(turn.R @ self._turn.R.T)
-        return np.asarray(since + 0.5 * (since - log_rotation(self._step.R)))
+        since = self._turn.inverse().then(turn).rotation
+        return np.asarray(since + 0.5 * (since - self._step.rotation))
 
     def _shear(self, turn: Turn, found: NDArray[np.bool_]) -> Shear:
         """How a readout shifts the points found, against where it shifts them in the anchor."""

