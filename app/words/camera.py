@@ -23,6 +23,8 @@ _FINDINGS: Final = {
     "no_picture": "{frames}: the pictures cannot be read. The camera is bridged there.",
     "rolling_shutter": "The shutter rolls: a picture is exposed over {amount:.0%} of the time "
     "between frames. The camera's turns are freed of it.",
+    "rolling_shutter_left": "The shutter rolls, and the way of the camera is not freed of that: it "
+    "may be off by a hundredth, and feet by 2 cm.",
     "not_in_file": "{frames}: the imported file does not have them. The camera is bridged there.",
     "no_parallax": "{frames}: nothing shows that the camera went anywhere. It is taken to turn "
     "alone.",
@@ -51,7 +53,10 @@ def finding_sentence(found: CameraFinding) -> str:
     """Say what is not known of a camera's motion."""
     first, last = found.first_frame, found.last_frame
     frames = f"Frames {first}–{last}" if last > first else f"Frame {first}"
-    return _FINDINGS[found.kind].format(frames=frames, first=first, amount=found.amount)
+    kind: str = found.kind
+    if kind == "rolling_shutter" and not found.amount:
+        kind = "rolling_shutter_left"
+    return _FINDINGS[kind].format(frames=frames, first=first, amount=found.amount)
 
 
 def finding_sentences(found: Sequence[CameraFinding]) -> list[str]:

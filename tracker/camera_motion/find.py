@@ -158,6 +158,6 @@ def _findings(
     if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
         found.append(Finding("not_rigid", 0, last, 1 - share))
     readout = shutter.found()
-    if kind == "turns" and readout is not None:
-        found.append(Finding("rolling_shutter", 0, last, readout))
+    if kind != "static" and readout is not None:
+        found.append(Finding("rolling_shutter", 0, last, readout if kind == "turns" else 0.0))
     return sorted(found, key=lambda finding: finding.first_frame)

@@ -25,8 +25,9 @@ class Finding:
     do not move as one, such as water, a crowd or a person nearer than the background; amount: the
     share of frames, or over the whole film that of points.  no_picture: the frames cannot be read.
     rolling_shutter: rows are exposed one after another; amount: the share of the time between
-    frames that it takes from the first row to the last.  no_parallax: nothing shows that the
-    camera was elsewhere than at the first frame, so its way is not known; amount 1.
+    frames that it takes from the first row to the last, 0 where that is not taken out.
+    no_parallax: nothing shows that the camera was elsewhere than at the first frame, so its way is
+    not known; amount 1.
     """
 
     kind: Kind

@@ -275,9 +275,11 @@ class PointFollower:
     def _on(self, open_: Mask | None, uv: Array) -> NDArray[np.bool_]:
         if open_ is None:
             return np.ones(len(uv), bool)
-        column, row = np.rint(self.to_look(uv) / 4 - 0.375).astype(int).T
         height, width = open_.shape
-        return np.asarray(open_[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)])
+        near = np.rint(self.to_look(uv) / 4 - 0.375)
+        known = np.isfinite(near.sum(axis=1))  # points behind the camera have no place
+        column, row = np.clip(np.where(known[:, None], near, 0), 0, (width - 1, height - 1)).T
+        return np.asarray(open_[row.astype(int), column.astype(int)] & known)
 
     def _corners(self, open_: Mask | None, taken: Array) -> Array:
         """The best corner of every cell that holds no point and has one, pixels looked at."""

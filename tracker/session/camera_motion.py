@@ -63,9 +63,10 @@ class CameraFinding(Plain):
     background leaves too little of the picture.  cut: another scene begins at the first frame, and
     nothing ties it to what was before.  not_rigid: what is seen does not move as one, such as
     water or a crowd.  no_picture: frames cannot be read.  rolling_shutter: rows are exposed one
-    after another, over `amount` of the time between frames.  no_parallax: nothing shows that the
-    camera was elsewhere than at the first frame.  not_in_file: the file that it was imported from
-    does not name these frames.  no_scale: nothing tells how far the camera went.
+    after another, over `amount` of the time between frames; 0 where that is not taken out.
+    no_parallax: nothing shows that the camera was elsewhere than at the first frame.  not_in_file:
+    the file that it was imported from does not name these frames.  no_scale: nothing tells how far
+    the camera went.
     """
 
     kind: Literal[

@@ -115,7 +115,8 @@ def find_camera(
     if found.kind == "moves":
         moved = film.moved(camera)
         if moved.moves:
-            findings = tuple(map(_finding, moved.findings))
+            rolling = (one for one in findings if one.kind == "rolling_shutter")
+            findings = (*map(_finding, moved.findings), *rolling)
             pieces = tuple(CameraPiece(first_frame=each, metres=None) for each in moved.pieces)
             motion = CameraMotion.of("moves", moved.path, moved.error_px, findings, pieces=pieces)
         elif kind == "moves":
