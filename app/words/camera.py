@@ -45,8 +45,8 @@ def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
 
 
 def lens_sentence(focal_mm: float) -> str:
-    """Say which lens its turns told, in place of a guess."""
-    return f"Its turns tell a lens of {focal_mm:.0f} mm, which was a guess before."
+    """Say which lens the camera's motion told, in place of a guess."""
+    return f"Its motion tells a lens of {focal_mm:.0f} mm, which was a guess before."
 
 
 def finding_sentence(found: CameraFinding) -> str:

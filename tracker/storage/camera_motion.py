@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import cv2
 import numpy as np
@@ -65,6 +65,9 @@ MOST_KEPT: Final = 40
 LARGEST_BYTES: Final = 2**30
 
 
+Found = TypeVar("Found", TurnedCamera, MovedPath)
+
+
 @dataclass(frozen=True, eq=False)
 class FoundCamera:
     """What was found of a session's camera.
@@ -106,7 +109,9 @@ def find_camera(
     given = session.view.camera
     camera, found = given, film.turned(given, kind)
     if session.view.lens_is_guess:
-        camera, found = _with_its_lens(film, camera, found, kind)
+        camera, found = _with_its_lens(
+            camera, found, lambda other: film.turned(other, kind), lambda one: one.kind == "turns"
+        )
     focal = None if found.focal is None else (found.focal.scale, found.focal.sigma)
     findings = tuple(map(_finding, found.findings))
     if found.path is None or found.kind == "static":
@@ -114,6 +119,8 @@ def find_camera(
     motion = None
     if found.kind == "moves":
         moved = film.moved(camera)
+        if session.view.lens_is_guess:
+            camera, moved = _with_its_lens(camera, moved, film.moved, lambda one: one.moves)
         if moved.moves:
             rolling = (one for one in findings if one.kind == "rolling_shutter")
             findings = (*map(_finding, moved.findings), *rolling)
@@ -160,8 +167,11 @@ class _Film:
 
     def moved(self, camera: Camera) -> MovedPath:
         """Where the camera went."""
-        count, progress = self.frame_count, self._pass(1.0)
-        return find_moved_path(_greys(self.video), camera, count, self.background, progress)
+        is_guess = self.session.view.lens_is_guess
+        return find_moved_path(
+            _greys(self.video), camera, self.frame_count, self.background,
+            self._pass(PASS_SHARE if is_guess else 1.0), with_focal=is_guess,
+        )  # fmt: skip
 
     def _pass(self, share: float) -> Callable[[int, int], None]:
         """Report of a pass that takes a share of what is left."""
@@ -171,23 +181,26 @@ class _Film:
 
 
 def _with_its_lens(
-    film: _Film, camera: Camera, found: TurnedCamera, kind: CameraKind | None
-) -> tuple[Camera, TurnedCamera]:
-    """The camera and its motion, with the focal length that its own turning tells, where that is
+    camera: Camera,
+    first: Found,
+    again: Callable[[Camera], Found],
+    is_sound: Callable[[Found], bool],
+) -> tuple[Camera, Found]:
+    """The camera and its motion, with the focal length that the motion itself tells, where that is
     another one for sure and the background agrees better with it."""
-    first, best = found, (camera, found)
+    found, best = first, (camera, first)
     for _ in range(MOST_LENSES - 1):
         focal = found.focal
         if focal is None or abs(np.log(focal.scale)) < max(SURE * focal.sigma, LEAST_OFF):
             break
         camera = camera.zoomed(focal.scale)
-        found = film.turned(camera, kind)
-        if found.kind == "turns" and _error(found) < LEAST_GAIN * _error(first):
+        found = again(camera)
+        if is_sound(found) and _error(found) < LEAST_GAIN * _error(first):
             best = camera, found
     return best
 
 
-def _error(found: TurnedCamera) -> float:
+def _error(found: Found) -> float:
     """The usual error of the background's points, pixels; infinite where there is none."""
     known = found.error_px[np.isfinite(found.error_px)]
     return float(np.median(known)) if known.size else np.inf

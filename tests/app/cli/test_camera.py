@@ -91,7 +91,7 @@ def test_a_lens_that_was_a_guess_is_told_by_the_turns_and_the_body_is_seen_as_be
     before = load_session(path).changed({"camera": guess, "lens_source": "guess"})
     save_session(before, path)
     assert main(["camera", str(path)]) == 0
-    assert "Its turns tell a lens of" in capsys.readouterr().out
+    assert "Its motion tells a lens of" in capsys.readouterr().out
     after = load_session(path)
     assert after.view.camera.fx == pytest.approx(panned.CAMERA.fx, rel=0.02)
     assert after.view.lens_source == "turns"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from keypose.tracker.body.body import preset
+from keypose.tracker.camera_motion import FocalScale, MovedPath
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.session import Session
@@ -20,6 +22,7 @@ from keypose.tracker.session.camera_motion import (
     CameraPiece,
     packed,
 )
+from keypose.tracker.storage.camera_motion import _with_its_lens
 from keypose.tracker.storage.fingerprints import background_turns, segment_keys
 from keypose.tracker.storage.stretches import stretch_keys
 from tests.tracker import panned_cases as panned
@@ -172,3 +175,32 @@ def test_corrections_are_within_the_film_and_in_order(frames: tuple[int, ...], w
     ]
     with pytest.raises(ValidationError, match=words):
         Session.model_validate(data)
+
+
+@pytest.mark.parametrize(
+    ("scales", "errors", "sound", "adopted"),
+    [
+        ((1.25, 1.0), (0.6, 0.1), True, 1.25),
+        ((1.2, 1.05, 1.0), (0.6, 0.2, 0.1), True, 1.26),
+        ((1.25, 1.0), (0.6, 0.1), False, 1.0),  # another kind of motion than asked
+        ((1.25, 1.0), (0.6, 0.59), True, 1.0),  # the background agrees no better
+        ((1.005,), (0.1,), True, 1.0),  # within its doubt
+        ((None,), (0.1,), True, 1.0),
+    ],
+)
+def test_a_lens_is_taken_from_the_motion_where_it_is_sure_and_better(
+    scales: Sequence[float | None], errors: Sequence[float], sound: bool, adopted: float
+) -> None:
+    def motion(scale: float | None, error: float) -> MovedPath:
+        focal = None if scale is None else FocalScale(scale, 0.003, 0.0)
+        path = CameraPath.standing_still(3)
+        known, off = np.ones(3, dtype=np.bool_), np.full(3, error)
+        return MovedPath(path, (0,), sound, known, off, (), focal)
+
+    first, *later = [motion(*each) for each in zip(scales, errors, strict=True)]
+    rounds = iter(later)
+    camera, found = _with_its_lens(
+        panned.CAMERA, first, lambda _: next(rounds), lambda one: one.moves
+    )
+    assert camera.fx == pytest.approx(adopted * panned.CAMERA.fx)
+    assert (found is first) == (adopted == 1.0)
