@@ -22,6 +22,8 @@ FEWEST = 200
 WINDOW = (21, 21)
 EVERY = 8
 """Frames between those of which the essential matrix is asked."""
+FAR = 1e4
+"""Baselines beyond which a point is none: 50 by default, and most are farther than that here."""
 
 
 @dataclass(eq=False)
@@ -120,7 +122,7 @@ def _step(
     E, inside = cv2.findEssentialMat(a, b, camera.K, cv2.RANSAC, 0.999, 1.0)
     if E is None or E.shape != (3, 3):
         return np.eye(4), depths
-    _, R, t, _ = cv2.recoverPose(E, a, b, camera.K, mask=inside)
+    _, R, t, inside, _ = cv2.recoverPose(E, a, b, camera.K, distanceThresh=FAR, mask=inside)
     P = [camera.K @ np.hstack(Rt) for Rt in ((np.eye(3), np.zeros((3, 1))), (R, t))]
     X = cv2.triangulatePoints(*P, a.T, b.T)
     X = (X[:3] / X[3]).T
