@@ -19,7 +19,7 @@ from bench.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "surface",
-    "space", "standing", "camera", "mask", "evidence", "drafts", "effort", "rigs", "install",
+    "space", "standing", "camera", "panned", "mask", "evidence", "drafts", "effort", "rigs", "install",
     "fuzz", "gains",
 )  # fmt: skip
 HOURS_LONG = ("gains",)
