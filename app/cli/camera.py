@@ -7,17 +7,21 @@ from contextlib import nullcontext
 
 import numpy as np
 
-from keypose.app.cli.json_output import print_json
+from keypose.app.cli.json_output import print_json, print_written
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.document.folder_lock import locked
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
+from keypose.app.render.studio import png
 from keypose.tracker.session import Session
-from keypose.tracker.storage.camera_motion import FoundCamera
-from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.atomic import require_absent, write_file
+from keypose.tracker.storage.camera_motion import FoundCamera, background_picture
+from keypose.tracker.storage.files import load_session, open_video_of, save_session
 
 
 def run(arguments: argparse.Namespace) -> int:
     path = arguments.session
+    if arguments.background is not None:
+        return _draw_background(arguments)
     held = path.is_file() and not arguments.dry_run  # reading it reports one that is not there
     with locked(path, "close it there first") if held else nullcontext():
         session = load_session(path)
@@ -30,6 +34,18 @@ def run(arguments: argparse.Namespace) -> int:
         if not arguments.dry_run:
             save_session(after, path)
     _print(found, after, arguments)
+    return 0
+
+
+def _draw_background(arguments: argparse.Namespace) -> int:
+    """Write the picture of the empty scene all around; the session stays as it is."""
+    if not arguments.overwrite:
+        require_absent([arguments.background])
+    session = load_session(arguments.session)
+    with open_video_of(session, arguments.session) as video:
+        content = png(background_picture(session, video))
+    write_file(arguments.background, content, overwrite=arguments.overwrite)
+    print_written([arguments.background], arguments.json)
     return 0
 
 

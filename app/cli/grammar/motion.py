@@ -167,6 +167,7 @@ def add_stand(commands: Subcommands) -> None:
 _CAMERA_EXAMPLES = """\
   keypose camera jump.keypose
   keypose camera jump.keypose --kind turns --dry-run --json
+  keypose camera jump.keypose --background hall.png
   keypose camera jump.keypose --forget
 """
 
@@ -183,11 +184,17 @@ def add_camera(commands: Subcommands) -> None:
     command.add_argument(
         "--kind", choices=("static", "turns", "moves"), help="how it moves, where you know"
     )
+    command.add_argument(
+        "--background", type=file_name, metavar="FILE.png",
+        help="write what stands behind the body, put together all around, of a camera that turns "
+        "and is known; nothing else is done",
+    )  # fmt: skip
     command.add_argument("--forget", action="store_true", help="leave the camera as it was")
     command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"
     )
     add_json(command)
+    add_overwrite(command)
 
 
 GOALS = (3, 5, 8, 12)

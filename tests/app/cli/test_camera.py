@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -111,6 +112,23 @@ def test_a_lens_that_somebody_knows_stays(path: Path, capsys: pytest.CaptureFixt
     assert main(["camera", str(path)]) == 0
     assert "the session has" in capsys.readouterr().out
     assert load_session(path).view.camera == before.view.camera
+
+
+def test_the_background_is_written_once_the_camera_is_known(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = path.parent / "wall.png"
+    assert main(["camera", str(path), "--background", str(out)]) == 2
+    assert "find it first" in capsys.readouterr().err
+    assert main(["camera", str(path)]) == 0
+    before = path.read_bytes()
+    assert main(["camera", str(path), "--background", str(out)]) == 0
+    assert path.read_bytes() == before
+    wide = cv2.imread(str(out))
+    assert wide is not None
+    assert wide.shape[1] > 1.1 * panned.WIDTH
+    assert main(["camera", str(path), "--background", str(out)]) == 2
+    assert "exists already" in capsys.readouterr().err
 
 
 def test_one_word_leaves_the_camera_as_it_was(
