@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.documents import moved_away, require_sound
+from keypose.app.editor.documents import require_sound, seen_as_before
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import runs
@@ -32,8 +32,6 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     comes back unchanged outdates no motion. Refused where that cannot be.
     """
     old, new = session.view.camera, found.camera
-    telephoto = {old.projection, new.projection} != {"perspective"}
-    farther = 1.0 if telephoto else new.fx / old.fx
     seen = session.changed({"lens_source": "calibration", "camera": new})
     if new.model_copy(update={"origin": old.origin}) == old:
         seen = seen.changed({"camera": old})
@@ -49,7 +47,7 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     floor_m = found.floor_m
     if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
         seen = seen.changed({"floor_m": round(floor_m, DECIMALS)})
-    made = moved_away(seen, Skeleton.of(session.subject.body), farther)
+    made = seen_as_before(session, seen, Skeleton.of(session.subject.body))
     require_sound(session, made, "import the camera")
     return made
 

@@ -330,7 +330,7 @@ def background_picture(session: Session, video: Video) -> NDArray[np.uint8]:
     camera = session.view.camera
     loader = ClipLoader(
         video, camera, WorkingSize.for_camera(camera, 1), steady=steady,
-        turns=turns_of(camera, motion),
+        turns=turns_of(steady, motion),
     )  # fmt: skip
     return loader.panorama_in_colour().picture
 
