@@ -155,7 +155,9 @@ class _Film:
     @cached_property
     def background(self) -> BodyBackground:
         view, skeleton = self.session.view, Skeleton.of(self.session.subject.body)
-        return BodyBackground(skeleton, view.camera, self.poses, view.ignore_masks)
+        path = self.session.camera_path
+        zoom = None if path is None else path.zoom
+        return BodyBackground(skeleton, view.camera, self.poses, view.ignore_masks, zoom)
 
     @property
     def frame_count(self) -> int:
