@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import T_camera_world, pointer_views, up_of, views_of
-from keypose.app.editor.motion import end_trail, feet_paths, motion_between
+from keypose.app.editor.motion import angle_curve, end_trail, feet_paths, motion_between
 from keypose.app.editor.moving_camera import forgotten
 from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
@@ -22,6 +23,7 @@ from keypose.app.posing import opening_pose
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.reading_camera import CameraFile, CameraWay
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -352,3 +354,70 @@ def test_upright_lines_of_any_frame_say_the_same() -> None:
         lines = UprightLines(T_camera_world(state.doc, frame)[:3, :3] @ up, 0.8)
         found, _ = FindUp(b"", "", "", frame).apply(lines, AppState(edit=state))
         np.testing.assert_allclose(found.editing.doc.world.up_world, up, atol=1e-5)
+
+
+def in_world(doc: Session, frame: int, skeleton: Skeleton = cases.SKELETON) -> np.ndarray:
+    """Where the parts of what is posed at a frame stand in the world."""
+    posed = next(each for each in doc.subject.posed if each.frame == frame)
+    Ts = pose_transforms(skeleton, posed.pose(skeleton))
+    return np.asarray(np.linalg.inv(T_camera_world(doc, frame)) @ Ts)
+
+
+@pytest.mark.parametrize(
+    ("messages", "frames"),
+    [
+        ([{"do": "move_key", "frame": 12, "to": 19}], (2, 19, 22)),
+        ([{"do": "duplicate_key", "frame": 2, "to": 17}], (2, 12, 17, 22)),
+        ([{"do": "retime_keys", "frames": [12, 22], "to": [9, 20]}], (2, 9, 20)),
+        ([{"do": "retime_keys", "frames": [2, 12], "to": [8, 18], "copy_them": True}], (8, 18)),
+        ([{"do": "go", "frame": 17}, {"do": "copy_key", "from_frame": 2}], (17,)),
+        (
+            [
+                {"do": "go", "frame": 2},
+                {"do": "copy_pose"},
+                {"do": "go", "frame": 17},
+                {"do": "paste_pose"},
+            ],
+            (17,),
+        ),
+        ([{"do": "copy_pose", "frames": [2, 12]}, {"do": "go", "frame": 7}, {"do": "paste_pose"}],
+         (7, 17)),
+        (
+            [
+                {"do": "copy_pose", "frames": [2, 12]},
+                {"do": "go", "frame": 7},
+                {"do": "paste_pose", "onto_body": True},
+            ],
+            (7, 17),
+        ),
+    ],
+)  # fmt: skip
+def test_a_pose_that_goes_to_another_frame_stands_where_it_stood_in_the_world(
+    messages: list[dict[str, Any]], frames: tuple[int, ...]
+) -> None:
+    state = after(desk(), *messages)
+    for frame in frames:
+        stood = pose_transforms(state.skeleton, cases.pose(0.4))
+        np.testing.assert_allclose(in_world(state.doc, frame), stood, atol=1e-7)
+
+
+def test_a_pose_of_another_film_is_pasted_to_where_it_is_seen() -> None:
+    state = after(desk(frame=12), {"do": "copy_pose"})
+    assert state.clipboard is not None
+    copied = {**json.loads(state.clipboard.text), "film": "another"}
+    pasted = after(replace(state, frame=20), {"do": "paste_pose", "copied": copied})
+    there, here = (shown_pose(one).pose for one in (state, pasted))
+    np.testing.assert_allclose(here.p_camera_root, there.p_camera_root, atol=1e-8)
+
+
+def test_a_point_of_the_roots_curve_that_is_dragged_nowhere_leaves_the_pose() -> None:
+    state = desk(frame=22)
+    root = state.doc.subject.body.parts[0].name
+    shown = angle_curve(state, 0)[22]
+    for axis, deg in zip("xyz", shown, strict=True):
+        message = {"do": "key_angle", "frame": 22, "part": root, "axis": axis, "deg": deg}
+        np.testing.assert_allclose(
+            in_world(after(state, message).doc, 22), in_world(state.doc, 22), atol=1e-9
+        )
+    turned = after(state, {**message, "axis": "y", "deg": shown[1] + 10})
+    assert angle_curve(turned, 0)[22][1] == pytest.approx(shown[1] + 10)
