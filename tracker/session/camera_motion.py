@@ -27,6 +27,8 @@ from keypose.tracker.session.settings import FrameIndex, Plain, Position
 NUMBERS = 8
 """Of a frame: a quaternion w, x, y, z, a place x, y, z, and the zoom."""
 MOST_ZOOM = 1000.0
+FARTHEST = 1e6
+"""Metres, or units of its own, that a camera may be away from where it was at first."""
 
 
 def packed(numbers: Array) -> str:
@@ -209,6 +211,8 @@ class CameraMotion(Plain):
             raise ValueError("samples: a quaternion is not of unit length")
         if not ((rows[:, 7] > 1 / MOST_ZOOM) & (rows[:, 7] < MOST_ZOOM)).all():
             raise ValueError("samples: a zoom is not between a thousandth and a thousand")
+        if not (np.abs(rows[:, 4:7]) <= FARTHEST).all():
+            raise ValueError(f"samples: a place is farther away than {FARTHEST:g}")
         if len(unpacked(self.error_px)) not in (0, len(rows)):
             raise ValueError("error_px: has another number of frames than the samples")
         starts = [*self._starts, len(rows)]

@@ -148,6 +148,7 @@ def with_row(place: int, value: float) -> str:
         ({"samples": with_row(0, 2.0)}, "not of unit length"),
         ({"samples": with_row(5, np.nan)}, "not finite"),
         ({"samples": with_row(7, 0.0)}, "zoom"),
+        ({"samples": with_row(4, 1e9)}, "farther away"),
         ({"samples": packed(ROWS.ravel()), "error_px": packed(np.ones(3))}, "number of frames"),
         ({"samples": packed(ROWS.ravel()), "kind": "flies"}, "turns"),
         ({"samples": packed(ROWS.ravel()), "pieces": [{"first_frame": 3}]}, "begin at frame 0"),
