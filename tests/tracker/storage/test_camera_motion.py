@@ -13,8 +13,11 @@ from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.geometry.rotations import exp_rotation, transform
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion, CameraPiece
+from keypose.tracker.session.references import Repeats
 from keypose.tracker.storage.camera_motion import FoundCamera, background_picture, with_scale
 from keypose.tracker.storage.fingerprints import Span, segment_keys
+from keypose.tracker.storage.space import solved
+from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.tracking.result import SegmentResult
@@ -136,3 +139,30 @@ def test_a_thing_before_a_pan_is_tracked_with_its_background(tmp_path: Path) -> 
         for frame in segment.span:
             place = segment.trajectory.pose(frame).p_camera_root
             np.testing.assert_allclose(place, at[frame].root_m, atol=1e-9)
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_pictures_that_are_repeated_before_a_pan_leave_what_stands_where_it_stands(
+    even: bool,
+) -> None:
+    shown, _ = walk()
+    copies = tuple(range(4, COUNT - 1, 5))
+    copies = tuple(frame for frame in copies if frame not in KEYS)
+    moment = np.arange(COUNT)
+    moment[list(copies)] -= 1
+    turns = exp_rotation(np.radians(1.0) * moment[:, None] * np.array([0.0, -1.0, 0.0]))
+    path = CameraPath.of(turns, np.zeros((COUNT, 3)), np.ones(COUNT))
+    pose = shown.truth.pose(0)
+    stays = Trajectory(
+        0,
+        np.repeat(pose.Rs_parent_part[None], COUNT, 0),
+        np.repeat(pose.p_camera_root[None], COUNT, 0),
+    )
+    motion = stays.carried(path.Ts_camera_world)
+    session = session_of(shown, motion, camera_motion=CameraMotion.of("turns", path))
+    video = session.view.video.model_copy(update={"repeats": Repeats(frames=copies, even=even)})
+    session = session.changed({"video": video})
+    (stretch,) = stretches(session, tracked(session, motion))
+    found = session.in_world(solved(session, stretch).motion)
+    away = np.linalg.norm(found.ps_camera_root - pose.p_camera_root, axis=1)
+    assert away.max() < 1e-3
