@@ -302,7 +302,7 @@ def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
     time_s = float(state.times_s[require_in_video(state, frame)])
     if frame == keyframe.frame:
         return keyframe.model_copy(update={"time_s": time_s})
-    update = {"frame": frame, "time_s": time_s, "drafted": False}
+    update: dict[str, object] = {"frame": frame, "time_s": time_s, "drafted": False}
     if state.doc.camera_path is not None:
         pose = keyframe.pose(state.skeleton)
         pose = carried_pose(state.doc, keyframe.frame, pose, frame)

@@ -96,7 +96,7 @@ def _from_first(Ts_world_camera: Array) -> Array:
     Ts = rigid_inverse(Ts_world_camera) @ Ts_world_camera[0]
     if np.ptp(Ts_world_camera[:, :3, 3], axis=0).max() <= STILL_M:
         Ts[:, :3, 3] = 0.0
-    return Ts
+    return np.asarray(Ts)
 
 
 def _first_of_film(way: CameraWay, frame_count: int) -> int:

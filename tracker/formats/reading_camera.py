@@ -140,13 +140,12 @@ class CameraFile:
         """The same of a camera that moves, from a row of its way on, and of that."""
         if self.way is None or row == 0:
             return self
-        frames, Ts, zoom = (rows[row:] for rows in (self.way.frames, self.way.Ts_world_camera,
-                                                    self.way.zoom))  # fmt: skip
+        Ts, zoom = self.way.Ts_world_camera[row:], self.way.zoom[row:]
         rise = float(Ts[0, 1, 3] - self.way.Ts_world_camera[0, 1, 3])
         return CameraFile(
             self.camera.zoomed(float(zoom[0])), np.asarray(Ts[0, 1, :3]),
             None if self.floor_m is None else self.floor_m - rise,
-            CameraWay(frames, Ts, zoom / zoom[0]),
+            CameraWay(self.way.frames[row:], Ts, zoom / zoom[0]),
         )  # fmt: skip
 
 
