@@ -173,3 +173,24 @@ def test_corrections_are_within_the_film_and_in_order(frames: tuple[int, ...], w
     ]
     with pytest.raises(ValidationError, match=words):
         Session.model_validate(data)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"frame": 0}, "greater than or equal to 1"),
+        ({"R_camera_world_wxyz": [0, 0, 0, 0]}, "not a unit quaternion"),
+        ({"R_camera_world_wxyz": [2, 0, 0, 0]}, "not a unit quaternion"),
+        ({"zoom": 0.0}, "greater than or equal to 0.001"),
+        ({"p_camera_world": [0, 0, float("nan")]}, "finite"),
+    ],
+)
+def test_a_correction_that_no_camera_has_is_refused_in_a_sentence(
+    changed: dict[str, Any], words: str
+) -> None:
+    data = panned.panned().model_dump(mode="json")
+    key = {"frame": 5, "R_camera_world_wxyz": [1, 0, 0, 0]}
+    data["views"][0]["camera_keyframes"] = [{**key, **changed}]
+    with pytest.raises(ValidationError) as refused:
+        Session.model_validate(data)
+    assert words in one_sentence(refused.value)
