@@ -219,7 +219,7 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
     names = ("fx", "fy", "cx", "cy", "distortion", "origin")
     changes = {name: getattr(lens, name) for name in names}
     doc = _with_camera(state, changes).changed({"lens_source": source})
-    return seen_as_before(state.doc, doc, state.skeleton)
+    return seen_as_before(state.doc, doc)
 
 
 def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:

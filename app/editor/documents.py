@@ -144,14 +144,20 @@ def require_all_before_camera(doc: Session, skeleton: Skeleton) -> Session:
     return doc
 
 
-def seen_as_before(before: Session, after: Session, skeleton: Skeleton) -> Session:
-    """All that is posed seen as large as before with the lens and the zoom that a session has by
-    now; refused when a joint of any pose lies behind the camera."""
+def seen_as_before(before: Session, after: Session) -> Session:
+    """All that is posed of any body seen as large as before with the lens and the zoom that a
+    session has by now; refused when a joint of any pose lies behind the camera."""
     if {one.view.camera.projection for one in (before, after)} != {"perspective"}:
-        return require_all_before_camera(after, skeleton)
+        return after
     focal = _focal_lengths(after) / _focal_lengths(before)
-    moved = with_poses(after, lambda each: at_new_focal(each, float(focal[each.frame])))
-    return require_all_before_camera(moved, skeleton)
+    if np.allclose(focal, 1.0, rtol=SAME_FOCAL, atol=0.0):
+        return after
+    for body in after.bodies:
+        alone = after.about(body.id)
+        moved = with_poses(alone, lambda each: at_new_focal(each, float(focal[each.frame])))
+        require_all_before_camera(moved, Skeleton.of(body.body))
+        after = after.with_body(moved.subject)
+    return after
 
 
 def _focal_lengths(doc: Session) -> Array:

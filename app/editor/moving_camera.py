@@ -15,7 +15,6 @@ from keypose.app.editor.frames import T_camera_world, up_of, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.gesture import Spot
-from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -125,7 +124,7 @@ def forgotten(doc: Session) -> Session:
     was."""
     settings = doc.settings.model_copy(update={"static_camera": None})
     fields = {"camera_motion": None, "camera_keyframes": (), "settings": settings}
-    return seen_as_before(doc, doc.changed(fields), Skeleton.of(doc.subject.body))
+    return seen_as_before(doc, doc.changed(fields))
 
 
 def _with_camera_keyframes(
@@ -134,7 +133,7 @@ def _with_camera_keyframes(
     """The session with these corrections of its camera, and other fields; what is posed is seen as
     large as before, also where the zoom is another one."""
     after = doc.changed({"camera_keyframes": keys, **others})
-    return seen_as_before(doc, after, Skeleton.of(doc.subject.body))
+    return seen_as_before(doc, after)
 
 
 def _corrected(state: EditorState, turn: Array, zoom: float) -> Session:

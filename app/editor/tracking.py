@@ -140,7 +140,7 @@ class Settings(Edit):
         after = state.doc.changed({"settings": settings})
         if after.camera_path is state.doc.camera_path:
             return after
-        return seen_as_before(state.doc, after, state.skeleton)
+        return seen_as_before(state.doc, after)
 
 
 MESSAGES = (Observe, AddMask, ChangeMask, DeleteMask, Settings)

@@ -10,7 +10,6 @@ from pydantic import ValidationError
 
 from keypose.app.editor.documents import require_sound, seen_as_before
 from keypose.tracker.body.heading import CAMERA_UP
-from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.errors import FormatError, one_sentence
 from keypose.tracker.formats.reading_camera import STILL_M, CameraFile, CameraWay
@@ -51,7 +50,7 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     floor_m = found.floor_m
     if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
         seen = seen.changed({"floor_m": round(floor_m, DECIMALS)})
-    made = seen_as_before(session, seen, Skeleton.of(session.subject.body))
+    made = seen_as_before(session, seen)
     require_sound(session, made, "import the camera")
     return made
 

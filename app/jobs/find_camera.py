@@ -14,7 +14,6 @@ from keypose.app.editor.documents import seen_as_before
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.camera import camera_sentence, finding_sentences, lens_sentence
-from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -51,7 +50,7 @@ def with_found(session: Session, found: FoundCamera) -> Session:
     after = found.applied(session)
     if found.lens is not None:
         after = after.changed({"camera": found.lens, "lens_source": "turns"})
-    return seen_as_before(session, after, Skeleton.of(session.subject.body))
+    return seen_as_before(session, after)
 
 
 def is_camera_wanted(session: Session) -> bool:

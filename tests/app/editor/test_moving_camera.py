@@ -421,3 +421,12 @@ def test_a_point_of_the_roots_curve_that_is_dragged_nowhere_leaves_the_pose() ->
         )
     turned = after(state, {**message, "axis": "y", "deg": shown[1] + 10})
     assert angle_curve(turned, 0)[22][1] == pytest.approx(shown[1] + 10)
+
+
+def test_every_body_of_a_session_keeps_its_place_in_the_picture() -> None:
+    given = panned.session()
+    other = given.subject.model_copy(update={"id": "other"})
+    both = given.model_copy(update={"bodies": (given.subject, other)})
+    found = found_zooming(both)
+    assert found.bodies[1].keyframes == found.bodies[0].keyframes
+    assert found.bodies[0].keyframes != given.subject.keyframes
