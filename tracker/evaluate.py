@@ -20,6 +20,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
 from keypose.tracker.errors import FormatError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import (
     Array,
     apply_transform,
@@ -118,10 +119,12 @@ def evaluate(
     truth: Trajectory,
     keyframe_frames: Sequence[int],
     open_ends: Sequence[int] = (),
+    path: CameraPath | None = None,
 ) -> Evaluation:
     """Errors against known poses of the same body.
 
-    open_ends: those of the keyframes' frames without a posed keyframe.
+    open_ends: those of the keyframes' frames without a posed keyframe.  path: of the camera over
+        the film; None where it stands still.
     FormatError when the reference is of another body, or has no frame between two keyframes.
     """
     if truth.Rs_parent_part.shape[1] != skeleton.part_count:
@@ -131,13 +134,14 @@ def evaluate(
         )
     available = np.arange(truth.first_frame, truth.last_frame + 1)
     given = (available, keyframe_frames, open_ends)
-    frames, linear = _frames_and_interpolation(estimate, *given)
+    frames, linear = _frames_and_interpolation(estimate, *given, path)
+    zoom = _zoom(path, frames)
     names, joints = joint_names(skeleton), truth.joints(skeleton)[frames - truth.first_frame]
     Rs = truth.Rs_parent_part[frames - truth.first_frame]
 
     def errors(motion: Trajectory) -> Errors:
         rows = frames - motion.first_frame
-        found = _spatial(camera, motion.joints(skeleton)[rows], joints, names)
+        found = _spatial(camera, zoom, motion.joints(skeleton)[rows], joints, names)
         angle = _angles_deg(motion.Rs_parent_part[rows], Rs)
         angles = Measure.of(angle, skeleton.body.names)
         return Errors(found.pixels, found.distance_m, found.depth_m, angles)
@@ -152,10 +156,13 @@ def evaluate_joints(
     reference: JointReference,
     keyframe_frames: Sequence[int],
     open_ends: Sequence[int] = (),
+    path: CameraPath | None = None,
 ) -> Evaluation:
-    """Errors against known joints. FormatError when none lies between two keyframes."""
+    """Errors against known joints; path as of `evaluate`. FormatError when none lies between two
+    keyframes."""
     given = (reference.frames, keyframe_frames, open_ends)
-    frames, linear = _frames_and_interpolation(estimate, *given)
+    frames, linear = _frames_and_interpolation(estimate, *given, path)
+    zoom = _zoom(path, frames)
     known = reference.positions[np.searchsorted(reference.frames, frames)]
 
     def errors(motion: Trajectory) -> Errors:
@@ -163,8 +170,9 @@ def evaluate_joints(
             motion.transforms(skeleton)[frames - motion.first_frame], reference.places
         )
         if reference.has_depth:
-            return _spatial(camera, ours, known, reference.names)
-        return Errors(Measure.of(_distance(camera.project(ours), known), reference.names))
+            return _spatial(camera, zoom, ours, known, reference.names)
+        seen = _projected(camera, zoom, ours)
+        return Errors(Measure.of(_distance(seen, known), reference.names))
 
     return Evaluation(tuple(frames.tolist()), errors(estimate), errors(linear))
 
@@ -174,8 +182,10 @@ def _frames_and_interpolation(
     available: NDArray[np.int64],
     keyframe_frames: Sequence[int],
     open_ends: Sequence[int],
+    path: CameraPath | None,
 ) -> tuple[NDArray[np.int64], Trajectory]:
-    """The frames to compare, and the motion that interpolation makes of the keyframes' poses."""
+    """The frames to compare, and the motion that interpolation in the world makes of the keyframes'
+    poses."""
     keys = [k for k in keyframe_frames if estimate.first_frame <= k <= estimate.last_frame]
     if len(keys) < 2:
         raise FormatError("The tracked motion must hold at least two keyframes to be compared.")
@@ -183,8 +193,25 @@ def _frames_and_interpolation(
     inside = (available >= keys[0]) & (available <= keys[-1]) & ~np.isin(available, posed)
     if not inside.any():
         raise FormatError("The reference has no frame between two keyframes, so nothing compares.")
-    pieces = [interpolate(estimate.pose(a), estimate.pose(b), a, b) for a, b in pairwise(keys)]
-    return available[inside], joined(pieces)
+    over = None if path is None else path.between(estimate.first_frame, estimate.last_frame)
+    placed = estimate if over is None else estimate.carried(over.Ts_world_camera)
+    linear = joined([interpolate(placed.pose(a), placed.pose(b), a, b) for a, b in pairwise(keys)])
+    if path is not None:
+        linear = linear.carried(path.between(keys[0], keys[-1]).Ts_camera_world)
+    return available[inside], linear
+
+
+def _zoom(path: CameraPath | None, frames: NDArray[np.int64]) -> Array | None:
+    """(F, 1, 1) the focal length at frames, as a multiple of the camera's; None where it is one."""
+    return None if path is None else path.zoom[frames, None, None]
+
+
+def _projected(camera: Camera, zoom: Array | None, ps: Array) -> Array:
+    """Pixels (F, J, 2) of points (F, J, 3) in the camera frame, zoomed (F, 1, 1)."""
+    if zoom is None:
+        return camera.project(ps)
+    middle = np.array([camera.cx, camera.cy])
+    return np.asarray(middle + zoom * (camera.project(ps) - middle))
 
 
 def _positions(Ts_camera_part: Array, places: Sequence[BodyPoint]) -> Array:
@@ -196,10 +223,14 @@ def _positions(Ts_camera_part: Array, places: Sequence[BodyPoint]) -> Array:
     return np.stack(joints, axis=1)
 
 
-def _spatial(camera: Camera, ours: Array, known: Array, names: Sequence[str]) -> Errors:
+def _spatial(
+    camera: Camera, zoom: Array | None, ours: Array, known: Array, names: Sequence[str]
+) -> Errors:
     """Errors of joints (F, J, 3) in metres, camera frame."""
     return Errors(
-        pixels=Measure.of(_distance(camera.project(ours), camera.project(known)), names),
+        pixels=Measure.of(
+            _distance(_projected(camera, zoom, ours), _projected(camera, zoom, known)), names
+        ),
         distance_m=Measure.of(_distance(ours, known), names),
         depth_m=Measure.of(np.abs(ours[..., 2] - known[..., 2]), names),
     )

@@ -10,6 +10,7 @@ import numpy as np
 from keypose.app.cli.json_output import print_json, print_written
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.document.folder_lock import locked
+from keypose.app.editor.moving_camera import forgotten
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.render.studio import png
 from keypose.tracker.session import Session
@@ -26,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
     with locked(path, "close it there first") if held else nullcontext():
         session = load_session(path)
         if arguments.forget:
-            found, after = None, session.changed({"camera_motion": None, "camera_keyframes": ()})
+            found, after = None, forgotten(session)
         else:
             with share_reporter(arguments.json) as report:
                 found = find_saved(session, path, arguments.kind, report)

@@ -46,10 +46,10 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
         reference = read(reference_path, skeleton)
     estimate = load_trajectory(session, session_path)
     note(outdated_words(session, estimate))
-    frames = tracked_keyframes(session)
+    keyed = tracked_keyframes(session), open_ends(session), session.camera_path
     if isinstance(reference, Trajectory):
-        return evaluate(skeleton, camera, estimate, reference, frames, open_ends(session))
-    return evaluate_joints(skeleton, camera, estimate, reference, frames, open_ends(session))
+        return evaluate(skeleton, camera, estimate, reference, *keyed)
+    return evaluate_joints(skeleton, camera, estimate, reference, *keyed)
 
 
 def _lines(evaluation: Evaluation) -> list[str]:

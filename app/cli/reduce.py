@@ -50,7 +50,7 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     with _progress() as progress:
         reduction = reduce_motion(
             skeleton, camera, found.motion, arguments.goal, found.required, found.parts,
-            progress,
+            progress, session.camera_path,
         )  # fmt: skip
     return found, reduction
 

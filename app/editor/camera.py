@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, FiniteFloat
 
-from keypose.app.editor.documents import ActionRefused, moved_away, valid, with_times
+from keypose.app.editor.documents import ActionRefused, seen_as_before, valid, with_times
 from keypose.app.editor.frames import to_world, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
@@ -216,12 +216,10 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
     """Change the lens. What was posed keeps its place in the picture: a longer lens shows it as
     large as before from farther away.
     """
-    old = state.doc.view.camera
     names = ("fx", "fy", "cx", "cy", "distortion", "origin")
     changes = {name: getattr(lens, name) for name in names}
-    doc = _with_camera(state, changes)
-    farther = 1.0 if old.telephoto_distance_m is not None else lens.fx / old.fx
-    return moved_away(doc.changed({"lens_source": source}), state.skeleton, farther)
+    doc = _with_camera(state, changes).changed({"lens_source": source})
+    return seen_as_before(state.doc, doc)
 
 
 def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:

@@ -1,7 +1,8 @@
 """Copy and paste a pose or several keyframes: between frames, sessions and bodies.
 
-As text on a clipboard they are JSON; frames are counted from the first of them. Parts are matched
-by their names.
+As text on a clipboard they are JSON; frames are counted from the first of them, in whose camera's
+frame all poses are. Parts are matched by their names. Before a camera that moves they come back, in
+the film that they are of, to where they stand in the world; in another one to where they are seen.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from keypose.app.editor.documents import (
     require_before_camera,
     softened,
 )
+from keypose.app.editor.frames import carried_pose
 from keypose.app.editor.keyframes import require_free, with_keyframes_placed
 from keypose.app.editor.message import Edit, Look, PoseName
 from keypose.app.editor.shown import find, shown_pose
@@ -44,7 +46,8 @@ Turns: TypeAlias = Annotated[dict[Name, Quaternion], Field(min_length=1, max_len
 
 
 class CopiedKey(BaseModel):
-    """One pose. after: frames after the first.  root_m: in the camera frame, metres."""
+    """One pose. after: frames after the first.  root_m: in the frame of the camera at the first,
+    metres."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 
@@ -70,13 +73,18 @@ class CopiedKey(BaseModel):
 
 
 class Copied(BaseModel):
-    """What was copied. keypose: a pose goes to one frame and need not be a keyframe there."""
+    """What was copied. keypose: a pose goes to one frame and need not be a keyframe there.
+
+    frame, film: the first one's, and the fingerprint of its film, before a camera that moves.
+    """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 
     keypose: Literal["pose", "keyframes"]
     version: Literal[1] = 1
     body: Annotated[str, Field(max_length=200)] = ""
+    film: Annotated[str, Field(max_length=200)] = ""
+    frame: FrameIndex | None = None
     keys: Annotated[tuple[CopiedKey, ...], Field(min_length=1, max_length=MOST_KEYS)]
 
     @model_validator(mode="after")
@@ -94,21 +102,41 @@ class Copied(BaseModel):
         return cls(keypose="pose", body=skeleton.body.name, keys=(_key(skeleton, pose, 0, False),))
 
     @classmethod
-    def keys_of(cls, skeleton: Skeleton, keyframes: Sequence[Keyframe]) -> Self:
+    def keys_of(cls, state: EditorState, keyframes: Sequence[Keyframe]) -> Self:
         """Copy keyframes, in the order of their frames; of a single one its pose."""
         if len(keyframes) > MOST_KEYS:
             raise ActionRefused(f"At most {MOST_KEYS} keyframes can be copied at a time.")
-        first = keyframes[0].frame
-        keys = tuple(_key(skeleton, k.pose(skeleton), k.frame - first, k.soft) for k in keyframes)
-        return cls(
-            keypose="pose" if len(keys) == 1 else "keyframes", body=skeleton.body.name, keys=keys
+        skeleton, first = state.skeleton, keyframes[0].frame
+        keys = tuple(
+            _key(
+                skeleton,
+                carried_pose(state.doc, k.frame, k.pose(skeleton), first),
+                k.frame - first,
+                k.soft,
+            )
+            for k in keyframes
         )
+        kind: Literal["pose", "keyframes"] = "pose" if len(keys) == 1 else "keyframes"
+        return cls(keypose=kind, body=skeleton.body.name, keys=keys).of_frame(state, first)
+
+    def of_frame(self, state: EditorState, frame: int) -> Self:
+        """The same with where it is from, where the camera moves."""
+        if state.doc.camera_path is None:
+            return self
+        film = state.doc.view.video.fingerprint
+        return self.model_copy(update={"film": film, "frame": frame})
+
+    def frame_in(self, doc: Session) -> int | None:
+        """Return at which frame of a session's film it was copied; None where of another one."""
+        frame = self.frame if self.film == doc.view.video.fingerprint else None
+        return frame if frame is None or frame < doc.view.video.frame_count else None
 
     @property
     def text(self) -> str:
         """Return the text that stands on a clipboard."""
         keys = tuple(key.model_copy(update=_rounded(key)) for key in self.keys)
-        return self.model_copy(update={"keys": keys}).model_dump_json()
+        unsaid = {"film", "frame"} if self.frame is None else None
+        return self.model_copy(update={"keys": keys}).model_dump_json(exclude=unsaid)
 
 
 class CopyPose(Look):
@@ -124,12 +152,13 @@ class CopyPose(Look):
 def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
     """The keyframes at some frames; of none the pose shown at the present frame."""
     if not frames:
-        return Copied.pose_of(state.skeleton, shown_pose(state).pose)
+        copied = Copied.pose_of(state.skeleton, shown_pose(state).pose)
+        return copied.of_frame(state, state.frame)
     found = [find(state.doc.subject.keyframes, frame) for frame in sorted(set(frames))]
     keyframes = [keyframe for keyframe in found if keyframe is not None]
     if len(keyframes) < len(found):
         raise ActionRefused("One of these frames is not a keyframe any more.")
-    return Copied.keys_of(state.skeleton, keyframes)
+    return Copied.keys_of(state, keyframes)
 
 
 class PastePose(Edit):
@@ -148,10 +177,8 @@ class PastePose(Edit):
     name: PoseName | None = None
 
     def apply(self, state: EditorState) -> Session:
-        copied, present = self._copied(state), shown_pose(state).pose
-        poses = pasted_poses(
-            state.skeleton, copied, present, mirrored=self.mirrored, onto_body=self.onto_body
-        )
+        copied = self._copied(state)
+        poses = pasted_poses(state, copied, mirrored=self.mirrored, onto_body=self.onto_body)
         if copied.keypose == "pose":
             return posed(state.doc, state.skeleton, poses[0], state.frame, state.times_s)
         frames = [state.frame + key.after for key in copied.keys]
@@ -163,6 +190,7 @@ class PastePose(Edit):
             require_free((*stay, *state.doc.subject.part_keyframes), frames)
         placed = []
         for key, pose, frame in zip(copied.keys, poses, frames, strict=True):
+            pose = carried_pose(state.doc, state.frame, pose, frame)
             require_before_camera(state.skeleton, pose)
             keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
             placed.append(softened(keyframe, key.soft))
@@ -198,13 +226,17 @@ def _require_room(state: EditorState, span: int) -> None:
 
 
 def pasted_poses(
-    skeleton: Skeleton, copied: Copied, present: Pose, *, mirrored: bool, onto_body: bool
+    state: EditorState, copied: Copied, *, mirrored: bool, onto_body: bool
 ) -> list[Pose]:
-    """The poses of what was copied, for this body. Parts that were not copied stand as they do in
-    the present pose.
+    """The poses of what was copied, for this body, in the frame of the camera at the present frame.
+    Parts that were not copied stand as they do in the present pose.
 
     onto_body: the first pose stands where the present one does, the others beside it as copied.
     """
+    skeleton, doc, here = state.skeleton, state.doc, shown_pose(state).pose
+    there = copied.frame_in(doc)
+    there = state.frame if there is None else there
+    present = carried_pose(doc, state.frame, here, there)
     if not any(name in skeleton.body.names for name in copied.keys[0].rotations_wxyz):
         raise ActionRefused(
             f"{_whose(copied)} has no part that this body has, so nothing was pasted."
@@ -212,9 +244,10 @@ def pasted_poses(
     poses = [_pose(skeleton, key, present) for key in copied.keys]
     if mirrored:
         poses = [mirror_pose(skeleton, pose) for pose in poses]
+    poses = [carried_pose(doc, there, pose, state.frame) for pose in poses]
     if not onto_body:
         return poses
-    shift = present.p_camera_root - poses[0].p_camera_root
+    shift = here.p_camera_root - poses[0].p_camera_root
     return [Pose(pose.Rs_parent_part, pose.p_camera_root + shift) for pose in poses]
 
 

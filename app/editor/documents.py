@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -25,6 +27,8 @@ class ActionRefused(KeyposeError):
 
 Posed = TypeVar("Posed", bound=Keyframe)
 Model = TypeVar("Model", bound=BaseModel)
+SAME_FOCAL = 1e-9
+"""Share by which focal lengths may differ that are one: files round."""
 NEAREST_M = 0.06
 """Every joint of a pose stays this far before the camera; the session's own limit is 0.05."""
 
@@ -140,14 +144,33 @@ def require_all_before_camera(doc: Session, skeleton: Skeleton) -> Session:
     return doc
 
 
-def moved_away(doc: Session, skeleton: Skeleton, factor: float) -> Session:
-    """All that is posed in the session seen by a lens so much longer, as large as before."""
-    moved = with_poses(doc, lambda each: at_new_focal(each, factor))
-    return require_all_before_camera(moved, skeleton)
+def seen_as_before(before: Session, after: Session) -> Session:
+    """All that is posed of any body seen as large as before with the lens and the zoom that a
+    session has by now; refused when a joint of any pose lies behind the camera."""
+    if {one.view.camera.projection for one in (before, after)} != {"perspective"}:
+        return after
+    focal = _focal_lengths(after) / _focal_lengths(before)
+    if np.allclose(focal, 1.0, rtol=SAME_FOCAL, atol=0.0):
+        return after
+    for body in after.bodies:
+        alone = after.about(body.id)
+        moved = with_poses(alone, lambda each: at_new_focal(each, float(focal[each.frame])))
+        require_all_before_camera(moved, Skeleton.of(body.body))
+        after = after.with_body(moved.subject)
+    return after
+
+
+def _focal_lengths(doc: Session) -> Array:
+    """(F,) pixels, at every frame of the film."""
+    path = doc.camera_path
+    zoom = np.ones(doc.view.video.frame_count) if path is None else path.zoom
+    return np.asarray(doc.view.camera.fx * zoom)
 
 
 def at_new_focal(posed: Posed, factor: float) -> Posed:
     """A lens so much longer shows the body as large as before from so much farther away."""
+    if math.isclose(factor, 1.0, rel_tol=SAME_FOCAL):
+        return posed
     x, y, z = posed.root_m
     return posed.model_copy(update={"root_m": (x, y, z * factor)})
 

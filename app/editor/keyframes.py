@@ -20,7 +20,7 @@ from keypose.app.editor.documents import (
     with_part_keyframes,
     without,
 )
-from keypose.app.editor.frames import up_of
+from keypose.app.editor.frames import T_camera_world, carried_pose, up_in_world
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
@@ -30,6 +30,7 @@ from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
 from keypose.tracker.body.body import Name
 from keypose.tracker.errors import listed
+from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
@@ -177,7 +178,8 @@ class RetimeKeys(Edit):
 
 
 class KeyAngle(Edit):
-    """One angle of a part at some keyframe: a point of the curve, dragged."""
+    """One angle of a part at some keyframe: a point of the curve, dragged. The root's is in the
+    world, as the curve has it."""
 
     do: Literal["key_angle"] = "key_angle"
     verb, target = "turn", "part"
@@ -188,14 +190,16 @@ class KeyAngle(Edit):
 
     def apply(self, state: EditorState) -> Session:
         soft = require_keyframe(state, self.frame).soft
-        pose = shown_pose(state, self.frame).pose
+        pose, T = shown_pose(state, self.frame).pose, T_camera_world(state.doc, self.frame)
+        part, moves = state.doc.subject.body.index(self.part), state.doc.camera_path is not None
+        of_root = moves and state.doc.subject.body.parts[part].parent is None
         wanted = {self.axis: self.deg}
-        shown_deg = angle_curve(state, state.doc.subject.body.index(self.part))[self.frame]
         pose = with_angles(
-            state.skeleton, pose, self.part,
-            wanted.get("x"), wanted.get("y"), wanted.get("z"), near_deg=shown_deg,
-            up_camera=up_of(state.doc, self.frame),
+            state.skeleton, pose.carried(rigid_inverse(T)) if of_root else pose, self.part,
+            wanted.get("x"), wanted.get("y"), wanted.get("z"),
+            near_deg=angle_curve(state, part)[self.frame], up_camera=up_in_world(state.doc),
         )  # fmt: skip
+        pose = pose.carried(T) if of_root else pose
         return posed(state.doc, state.skeleton, pose, self.frame, state.times_s, soft)
 
 
@@ -293,10 +297,19 @@ def _listed(frames: list[int]) -> str:
 
 
 def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
-    """The keyframe at another frame, which is no draft of that; refused outside the video."""
+    """The keyframe at another frame, where it stands in the world, which is no draft of that;
+    refused outside the video, or behind the camera."""
     time_s = float(state.times_s[require_in_video(state, frame)])
-    drafted = keyframe.drafted and frame == keyframe.frame
-    return keyframe.model_copy(update={"frame": frame, "time_s": time_s, "drafted": drafted})
+    if frame == keyframe.frame:
+        return keyframe.model_copy(update={"time_s": time_s})
+    update: dict[str, object] = {"frame": frame, "time_s": time_s, "drafted": False}
+    if state.doc.camera_path is not None:
+        pose = keyframe.pose(state.skeleton)
+        pose = carried_pose(state.doc, keyframe.frame, pose, frame)
+        require_before_camera(state.skeleton, pose)
+        placed = keyframe_of(state.skeleton, pose, frame, state.times_s)
+        update |= {"root_m": placed.root_m, "rotations_wxyz": placed.rotations_wxyz}
+    return keyframe.model_copy(update=update)
 
 
 def _keyed(state: EditorState, doc: Session, keyframe: Keyframe, frame: int) -> Session:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from contextlib import suppress
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from keypose.app.editor.camera import SHORTEST_PX
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, seen_as_before
 from keypose.app.editor.frames import T_camera_world, up_of, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.gesture import Spot
 from keypose.tracker.errors import CameraError
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import up_from_horizon
 from keypose.tracker.geometry.rotations import Array, exp_rotation
@@ -22,6 +24,11 @@ from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
 
+if TYPE_CHECKING:
+    from keypose.tracker.camera_motion.matches import Matched
+
+CLICKED_PX = 2.0
+"""How far points that are marked by hand usually lie off."""
 MOST_OFF_PX = 8.0
 """By how much matched points may disagree with any turn of the camera."""
 
@@ -34,9 +41,7 @@ class ForgetCamera(Edit):
     verb = "leave the camera as it was"
 
     def apply(self, state: EditorState) -> Session:
-        settings = state.doc.settings.model_copy(update={"static_camera": None})
-        fields = {"camera_motion": None, "camera_keyframes": (), "settings": settings}
-        return state.doc.changed(fields)
+        return forgotten(state.doc)
 
 
 class CameraHorizon(Edit):
@@ -70,24 +75,31 @@ class CameraMatch(Edit):
     there: Annotated[tuple[Spot, ...], Field(min_length=2, max_length=100)]
 
     def apply(self, state: EditorState) -> Session:
-        from keypose.tracker.camera_motion.matches import (  # loads what only this needs
-            rotation_from_matches,
-        )
-
         doc, frame = state.doc, state.frame
         if self.other >= state.frame_count or self.other == frame:
             raise ActionRefused("Mark the same points at another frame of the film first.")
-        camera = doc.view.camera.without_distortion()
         try:
-            found = rotation_from_matches(
-                np.array(self.there), np.array(self.here), camera, zoom_at(doc, self.other)
-            )
+            found = self._matched(doc.view.camera.without_distortion(), zoom_at(doc, self.other))
         except CameraError as error:
             raise ActionRefused(str(error)) from None
         if np.median(found.error_px) > MOST_OFF_PX:
             raise ActionRefused("No turn of the camera explains these points: check them.")
         R = found.R_other_one @ T_camera_world(doc, self.other)[:3, :3]
         return _corrected(state, R @ T_camera_world(doc, frame)[:3, :3].T, found.zoom)
+
+    def _matched(self, camera: Camera, zoom: float) -> Matched:
+        """The turn between both frames; a zoom only where no turn alone explains the points, since
+        two that are marked by hand always tell a little of one. zoom: of the other frame."""
+        from keypose.tracker.camera_motion.matches import (  # loads what only this needs
+            rotation_from_matches,
+        )
+
+        marked = np.array(self.there), np.array(self.here)
+        with suppress(CameraError):
+            found = rotation_from_matches(*marked, camera, zoom, zooms=False)
+            if np.median(found.error_px) <= CLICKED_PX:
+                return found
+        return rotation_from_matches(*marked, camera, zoom)
 
 
 class DeleteCameraKey(Edit):
@@ -101,10 +113,27 @@ class DeleteCameraKey(Edit):
         kept = tuple(k for k in state.doc.view.camera_keyframes if k.frame != self.frame)
         if len(kept) == len(state.doc.view.camera_keyframes):
             raise ActionRefused(f"The camera is not corrected at frame {self.frame}.")
-        return state.doc.changed({"camera_keyframes": kept})
+        return _with_camera_keyframes(state.doc, kept)
 
 
 MESSAGES = (ForgetCamera, CameraHorizon, CameraMatch, DeleteCameraKey)
+
+
+def forgotten(doc: Session) -> Session:
+    """The session as before its camera's motion was found; what is posed is seen as large as it
+    was."""
+    settings = doc.settings.model_copy(update={"static_camera": None})
+    fields = {"camera_motion": None, "camera_keyframes": (), "settings": settings}
+    return seen_as_before(doc, doc.changed(fields))
+
+
+def _with_camera_keyframes(
+    doc: Session, keys: tuple[CameraKeyframe, ...], **others: object
+) -> Session:
+    """The session with these corrections of its camera, and other fields; what is posed is seen as
+    large as before, also where the zoom is another one."""
+    after = doc.changed({"camera_keyframes": keys, **others})
+    return seen_as_before(doc, after)
 
 
 def _corrected(state: EditorState, turn: Array, zoom: float) -> Session:
@@ -121,7 +150,7 @@ def _corrected(state: EditorState, turn: Array, zoom: float) -> Session:
     if motion is None:
         motion = CameraMotion.of("turns", CameraPath.standing_still(state.frame_count))
     settings = doc.settings.model_copy(update={"static_camera": False})
-    return doc.changed({"camera_keyframes": keys, "camera_motion": motion, "settings": settings})
+    return _with_camera_keyframes(doc, keys, camera_motion=motion, settings=settings)
 
 
 def _least_turn(one: Array, other: Array) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 
 from keypose.app.editor.body import with_body
 from keypose.app.editor.documents import ActionRefused, posed
-from keypose.app.editor.frames import pointer_views, up_of
+from keypose.app.editor.frames import carried_pose, pointer_views, up_of
 from keypose.app.editor.message import Degrees, Edit
 from keypose.app.editor.part_keyframes import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
@@ -296,14 +296,15 @@ class Untwist(Edit):
 
 
 class CopyKey(Edit):
-    """The pose of another keyframe, here."""
+    """The pose of another keyframe, here, where it stands in the world."""
 
     do: Literal["copy_key"] = "copy_key"
     verb, target = "copy keyframe", "from_frame"
     from_frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        return with_pose(state, require_keyframe(state, self.from_frame).pose(state.skeleton))
+        pose = require_keyframe(state, self.from_frame).pose(state.skeleton)
+        return with_pose(state, carried_pose(state.doc, self.from_frame, pose, state.frame))
 
 
 class TakeTracked(Edit):

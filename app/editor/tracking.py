@@ -10,6 +10,7 @@ from pydantic import Field, FiniteFloat
 from keypose.app.editor.documents import (
     ActionRefused,
     require_all_before_camera,
+    seen_as_before,
     valid,
     with_poses,
     with_times,
@@ -136,7 +137,10 @@ class Settings(Edit):
     def apply(self, state: EditorState) -> Session:
         named = self.model_dump(include=self.model_fields_set - {"do", "stroke"})
         settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
-        return state.doc.changed({"settings": settings})
+        after = state.doc.changed({"settings": settings})
+        if after.camera_path is state.doc.camera_path:
+            return after
+        return seen_as_before(state.doc, after)
 
 
 MESSAGES = (Observe, AddMask, ChangeMask, DeleteMask, Settings)

@@ -6,14 +6,15 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
-from keypose.app.editor.documents import moved_away, require_sound
+from keypose.app.editor.documents import require_sound, seen_as_before
 from keypose.tracker.body.heading import CAMERA_UP
-from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import runs
-from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.reading_camera import CameraFile, CameraWay
+from keypose.tracker.errors import FormatError, one_sentence
+from keypose.tracker.formats.reading_camera import STILL_M, CameraFile, CameraWay
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
 from keypose.tracker.session.schema import Session
 
@@ -31,9 +32,9 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     shows it as large as before from farther away. What is as it was stays, so that a camera that
     comes back unchanged outdates no motion. Refused where that cannot be.
     """
+    if found.way is not None:
+        found = found.from_row(_first_of_film(found.way, session.view.video.frame_count))
     old, new = session.view.camera, found.camera
-    telephoto = {old.projection, new.projection} != {"perspective"}
-    farther = 1.0 if telephoto else new.fx / old.fx
     seen = session.changed({"lens_source": "calibration", "camera": new})
     if new.model_copy(update={"origin": old.origin}) == old:
         seen = seen.changed({"camera": old})
@@ -49,7 +50,7 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     floor_m = found.floor_m
     if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
         seen = seen.changed({"floor_m": round(floor_m, DECIMALS)})
-    made = moved_away(seen, Skeleton.of(session.subject.body), farther)
+    made = seen_as_before(session, seen)
     require_sound(session, made, "import the camera")
     return made
 
@@ -68,7 +69,7 @@ def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotio
             f"{frame_count - 1}: export the camera of this film."
         )
     frames, Ts = frames[inside], way.Ts_world_camera[inside]
-    here = CameraPath(rigid_inverse(Ts) @ Ts[0], way.zoom[inside])
+    here = CameraPath(_from_first(Ts), way.zoom[inside])
     row = np.interp(np.arange(frame_count), frames, np.arange(len(frames)))
     path = here.sampled(row)
     Ts_exact, zoom = path.Ts_camera_world.copy(), path.zoom.copy()
@@ -82,7 +83,25 @@ def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotio
     )
     exact = CameraPath(Ts_exact, zoom)
     kind: Literal["turns", "moves"] = "moves" if exact.moves else "turns"
-    return CameraMotion.of(kind, exact, None, findings, file[:120])
+    try:
+        return CameraMotion.of(kind, exact, None, findings, file[:120])
+    except ValidationError as error:
+        raise FormatError(f"{file} has numbers that no camera has: {one_sentence(error)}") from None
+
+
+def _from_first(Ts_world_camera: Array) -> Array:
+    """(K, 4, 4) the camera of the first frame in that of each; one that goes no farther than files
+    round turns alone."""
+    Ts = rigid_inverse(Ts_world_camera) @ Ts_world_camera[0]
+    if np.ptp(Ts_world_camera[:, :3, 3], axis=0).max() <= STILL_M:
+        Ts[:, :3, 3] = 0.0
+    return np.asarray(Ts)
+
+
+def _first_of_film(way: CameraWay, frame_count: int) -> int:
+    """The row of the first frame of the film that a file names; 0 where it names none."""
+    inside = _of_film(way.frames, frame_count) >= 0
+    return int(inside.argmax())
 
 
 def _of_film(frames: NDArray[np.int64], count: int) -> NDArray[np.int64]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.app.editor.frames import up_of
 from keypose.app.posing import opening_pose
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
@@ -14,10 +15,12 @@ from keypose.tracker.body.trajectory import interpolate
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_names import Matched, match_also, matched
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import keypoint_name
 from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.settings import Position
 from keypose.tracker.solver.fit_joints import fit_picture
 from keypose.tracker.solver.posed import BodyPoints
 
@@ -75,10 +78,9 @@ def drafts_of(
 
     progress: receives how many frames of how many have been looked at.
     """
-    skeleton = Skeleton.of(session.subject.body)
-    posed = {
-        k.frame: k.pose(skeleton) for k in (*session.subject.keyframes, *session.subject.drafts)
-    }
+    skeleton, path = Skeleton.of(session.subject.body), session.camera_path
+    known_poses = (*session.subject.keyframes, *session.subject.drafts)
+    posed = in_world(path, {k.frame: k.pose(skeleton) for k in known_poses})
     drafts = []
     for done, frame in enumerate(frames):
         if progress is not None:
@@ -90,39 +92,40 @@ def drafts_of(
         sure = keypoints.visibility[row, known.indices]
         if np.isfinite(uv).all(-1).sum() < LEAST_KEYPOINTS:
             continue
-        draft = _draft(session, known, uv, sure, frame, posed, times_s)
+        near = seen_at(path, frame, between(posed, sorted(posed), frame))
+        draft = _draft(session, known, uv, sure, frame, near, times_s)
         if draft is not None:
-            posed[frame] = draft.keyframe.pose(skeleton)
+            posed |= in_world(path, {frame: draft.keyframe.pose(skeleton)})
             drafts.append(draft)
     return tuple(drafts)
 
 
 def _draft(
     session: Session, known: Matched, uv: Array, sure: Array, frame: int,
-    posed: Mapping[int, Pose], times_s: Array,
+    near: Pose | None, times_s: Array,
 ) -> Draft | None:  # fmt: skip
     """The pose that is seen at the keypoints; None where none lies before the camera."""
-    skeleton = Skeleton.of(session.subject.body)
+    skeleton, camera = Skeleton.of(session.subject.body), session.camera_at(frame)
     points = BodyPoints(skeleton, tuple(known.places))
-    near = between(posed, sorted(posed), frame)
-    starts = _starts(session, points, uv, near)
-    solved = fit_picture(
-        session.subject.body, session.view.camera, known.places, uv, sure, starts, near
-    )
+    starts = _starts(session, camera, up_of(session, frame), points, uv, near)
+    solved = fit_picture(session.subject.body, camera, known.places, uv, sure, starts, near)
     Ts = pose_transforms(skeleton, solved.pose)
     if not Ts[:, 2, 3].min() > NEAREST_M:
         return None
-    away = np.linalg.norm(session.view.camera.project(points.at(Ts)) - uv, axis=-1)
+    away = np.linalg.norm(camera.project(points.at(Ts)) - uv, axis=-1)
     miss, extent = float(np.nanmean(away)), float(np.ptp(uv[np.isfinite(uv).all(-1)], axis=0).max())
     keyframe = Keyframe.of(skeleton, solved.pose, frame, float(times_s[frame]))
     count = int(np.isfinite(away).sum())
     return Draft(keyframe, count, miss, solved.converged, miss > POOR_PX * extent)
 
 
-def _starts(session: Session, points: BodyPoints, uv: Array, near: Pose | None) -> list[Pose]:
+def _starts(
+    session: Session, camera: Camera, up_camera: Position, points: BodyPoints, uv: Array,
+    near: Pose | None,
+) -> list[Pose]:  # fmt: skip
     """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
-    camera = session.view.camera.without_distortion()
-    rest = opening_pose(session.subject.body, session.view.camera, session.world.up_world or UP)
+    rest = opening_pose(session.subject.body, camera, up_camera)
+    camera = camera.without_distortion()
     known = np.isfinite(uv).all(-1)
     middle = uv[known].mean(0)
     starts = [] if near is None else [near]
@@ -142,6 +145,19 @@ def _distance(camera: Camera, ps: Array, uv: Array) -> float:
         return camera.telephoto_distance_m
     z = camera.fy * float(np.std(ps[:, 1])) / max(float(np.std(uv[:, 1])), 1.0)
     return max(z, 1.0)
+
+
+def in_world(path: CameraPath | None, posed: Mapping[int, Pose]) -> dict[int, Pose]:
+    """Poses seen by a camera at their frames, in the world; as they are before one that is it."""
+    if path is None:
+        return dict(posed)
+    Ts = path.Ts_world_camera
+    return {frame: pose.carried(Ts[frame]) for frame, pose in posed.items()}
+
+
+def seen_at(path: CameraPath | None, frame: int, pose: Pose | None) -> Pose | None:
+    """A pose of the world as the camera sees it at a frame."""
+    return pose if path is None or pose is None else pose.carried(path.Ts_camera_world[frame])
 
 
 def between(posed: Mapping[int, Pose], frames: Sequence[int], frame: int) -> Pose | None:

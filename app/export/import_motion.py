@@ -12,7 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from keypose.app.export.import_keypoints import NEAREST_M, SHOWN, UP, Draft, between
+from keypose.app.export.import_keypoints import (
+    NEAREST_M,
+    SHOWN,
+    UP,
+    Draft,
+    between,
+    in_world,
+    seen_at,
+)
 from keypose.app.export.plausibility import (
     bone_ratios,
     implausible,
@@ -101,7 +109,7 @@ def fit_to_session(
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     start, notes = 0, motion.notes
     if offset_s is None:
-        start = _best_start(points, motion, known.indices, times_s, _in_world(path, posed))
+        start = _best_start(points, motion, known.indices, times_s, in_world(path, posed))
         offset_s = float(times_s[start])
         notes += (Note("starts at", (start,)),) if start else ()
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file, len(motion))
@@ -109,13 +117,13 @@ def fit_to_session(
     size = median_ratio(bones)
     scale = size if motion.unit is None else 1.0
     _require_a_size(size / scale, file)
-    near = _pose_per_frame(posed, first, len(ps))
+    near = _pose_per_frame(session.camera_path, posed, first, len(ps))
     reached = {f: p for f, p in posed.items() if _has_enough_joints(ps, f - first)}
     if len(ps) == 1 and near[0] is not None:
         reached = {first: near[0]}
     ps = ps * scale
     if reached:
-        ps = _on_keyframes(points, ps, first, _in_world(path, reached))
+        ps = _on_keyframes(points, ps, first, in_world(path, reached))
     elif motion.world is None:
         raise FormatError(
             f"{file} does not say in which frame it is: choose its world, or set a keyframe."
@@ -233,14 +241,6 @@ def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int,
     return ps @ R.T + p
 
 
-def _in_world(path: CameraPath | None, posed: Mapping[int, Pose]) -> Mapping[int, Pose]:
-    """Poses seen by a camera at their frames, in the world; as they are before one that is it."""
-    if path is None:
-        return posed
-    Ts = path.Ts_world_camera
-    return {frame: pose.carried(Ts[frame]) for frame, pose in posed.items()}
-
-
 def _seen(path: CameraPath, ps_world: Array) -> Array:
     """Places (N, J, 3) of the world in the camera's frame at every one of N frames."""
     T = path.Ts_camera_world
@@ -270,12 +270,15 @@ def _middle(camera: Camera, z: float) -> Array:
     return camera.back_project(np.array([(camera.width - 1) / 2, (camera.height - 1) / 2]), z)
 
 
-def _pose_per_frame(posed: Mapping[int, Pose], first: int, count: int) -> list[Pose | None]:
-    """Return for every frame the pose between its keyframes, or that of the nearest; None without
-    any.
+def _pose_per_frame(
+    path: CameraPath | None, posed: Mapping[int, Pose], first: int, count: int
+) -> list[Pose | None]:
+    """Return for every frame the pose between its keyframes, or that of the nearest, in the world,
+    as the camera sees it there; None without any.
     """
-    frames = sorted(posed)
-    return [between(posed, frames, frame) for frame in range(first, first + count)]
+    frames, placed = sorted(posed), in_world(path, posed)
+    every = range(first, first + count)
+    return [seen_at(path, frame, between(placed, frames, frame)) for frame in every]
 
 
 def _require_before_camera(fit: JointFit, skeleton: Skeleton, file: str) -> None:

@@ -68,6 +68,8 @@ class FollowAhead(Fit):
         return (
             doc.subject.body,
             doc.view.camera,
+            doc.view.camera_motion,
+            doc.view.camera_keyframes,
             doc.view.ignore_masks,
             doc.subject.keyframes,
             *cues,

@@ -224,7 +224,9 @@ class DraftClip(Fit):
         )  # fmt: skip
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.subject.body, doc.view.camera, doc.view.surface, doc.subject.keyframes
+        view, subject = doc.view, doc.subject
+        camera = view.camera, view.camera_motion, view.camera_keyframes
+        return subject.body, *camera, view.surface, subject.keyframes
 
     def apply(self, found: Drafted, state: AppState) -> tuple[AppState, str]:
         assert state.opened is not None

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
-from keypose.app.editor.documents import moved_away
+from keypose.app.editor.documents import seen_as_before
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.camera import camera_sentence, finding_sentences, lens_sentence
-from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -45,14 +44,13 @@ def found_words(found: FoundCamera) -> str:
 
 
 def with_found(session: Session, found: FoundCamera) -> Session:
-    """The session with what was found of its camera. A lens that was a guess and turns out as
-    another moves what is posed along the line of sight, so that it is seen as large as before."""
+    """The session with what was found of its camera. A zoom, and a lens that was a guess and turns
+    out as another, move what is posed along the line of sight, so that it is seen as large as
+    before."""
     after = found.applied(session)
-    if found.lens is None:
-        return after
-    farther = found.lens.fx / session.view.camera.fx
-    after = after.changed({"camera": found.lens, "lens_source": "turns"})
-    return moved_away(after, Skeleton.of(session.subject.body), farther)
+    if found.lens is not None:
+        after = after.changed({"camera": found.lens, "lens_source": "turns"})
+    return seen_as_before(session, after)
 
 
 def is_camera_wanted(session: Session) -> bool:

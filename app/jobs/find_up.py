@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
+from keypose.app.editor.frames import to_world
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import camera_words
@@ -37,7 +38,8 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
             pictures.append(video.frame(number))
         except MissingFrame:
             continue
-    return up_from_lines(pictures, session.view.camera) if pictures else None
+    camera = session.view.camera if frame is None else session.camera_at(frame)
+    return up_from_lines(pictures, camera) if pictures else None
 
 
 @dataclass(frozen=True)
@@ -59,12 +61,14 @@ class FindUp(Fit):
         return upright_lines(session, video, None if session.has_static_camera else self.frame)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.view.camera, doc.world.up_world
+        view = doc.view
+        return view.camera, view.camera_motion, view.camera_keyframes, doc.world.up_world
 
     def apply(self, found: UprightLines | None, state: AppState) -> tuple[AppState, str]:
         if found is None:
             return state, "Too few upright lines agree. Draw the horizon, or two verticals."
         edit = state.editing
-        after = edit.with_step(edit.doc.with_up(found.up_camera), LABEL)
+        up_world = to_world(edit.doc, self.frame, found.up_camera)
+        after = edit.with_step(edit.doc.with_up(up_world), LABEL)
         words = f"{camera_words(found.up_camera.tolist())}, by upright lines."
         return replace(state, edit=after), words

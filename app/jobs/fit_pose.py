@@ -83,19 +83,20 @@ class FitPose(Fit):
 
     def on_film(self, session: Session, context: Context) -> FoundPose:
         from keypose.tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
-        from keypose.tracker.storage.tracking import keypoint_source
+        from keypose.tracker.storage.tracking import keypoint_source, steadied
 
         video = context.cache.video(session, self.video_path)
         skeleton = Skeleton.of(session.subject.body)
         others = {
             k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame != self.frame
         }
-        source = keypoint_source(
-            session, video, sidecars.keypoints_of_session(session, Path(self.folder))
-        )
+        given = sidecars.keypoints_of_session(session, Path(self.folder))
+        camera, steady = session.view.camera, sidecars.one_focal(session)
+        source = steadied(keypoint_source(session, video, given), steady)
         found = fit_pose_to_picture(
-            video, session.view.camera, skeleton, self.frame, self.pose, others, self.tracked,
+            video, camera, skeleton, self.frame, self.pose, others, self.tracked,
             masks=session.view.ignore_masks, cancelled=context.cancelled, source=source,
+            steady=steady,
         )  # fmt: skip
         return FoundPose(found.pose, found.way != "nothing", found.message)
 
@@ -112,7 +113,14 @@ class FitPose(Fit):
         return FoundPose(found.pose, True, found.message)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return doc.subject.body, doc.view.camera, doc.view.ignore_masks, doc.view.surface
+        return (
+            doc.subject.body,
+            doc.view.camera,
+            doc.view.camera_motion,
+            doc.view.camera_keyframes,
+            doc.view.ignore_masks,
+            doc.view.surface,
+        )
 
     def stands(self, began: EditorState, edit: EditorState) -> bool:
         """A pose that is kept as a keyframe meanwhile is the same pose."""

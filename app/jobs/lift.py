@@ -90,6 +90,8 @@ class LiftDrafts(Fit):
         return (
             doc.subject.body,
             doc.view.camera,
+            doc.view.camera_motion,
+            doc.view.camera_keyframes,
             doc.world.up_world,
             doc.subject.keyframes,
             doc.subject.drafts,

@@ -63,11 +63,13 @@ class ReduceMotion(Fit):
 
         found, skeleton = self.found, Skeleton.of(session.subject.body)
         given = (found.motion, self.goal, found.required, found.parts)
-        return reduce_motion(skeleton, session.view.camera, *given, report)
+        return reduce_motion(skeleton, session.view.camera, *given, report, session.camera_path)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
             doc.subject.body,
+            doc.view.camera_motion,
+            doc.view.camera_keyframes,
             doc.subject.keyframes,
             doc.subject.part_keyframes,
             doc.subject.drafts,

@@ -32,6 +32,7 @@ CHANGED: Final = (
     "up_from_feet",
     "floor_m",
     "camera_motion",
+    "camera_keyframes",
 )
 """The session's fields that standing sets."""
 

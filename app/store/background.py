@@ -201,7 +201,8 @@ def _of_segment(doc: Session, span: Span | None) -> _Question:
     if span is None:
         return _Question(("segment",), lambda: None)
     ends = [keyframe for keyframe in doc.subject.keyframes if keyframe.frame in span]
-    made_of = ("segment", *span, *ends, doc.subject.body, doc.view.camera, doc.settings.network)
+    camera = doc.view.camera, doc.view.camera_motion, doc.view.camera_keyframes
+    made_of = ("segment", *span, *ends, doc.subject.body, *camera, doc.settings.network)
     return _Question(made_of, partial(found_before, doc, span))
 
 

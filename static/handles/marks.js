@@ -7,6 +7,7 @@ import { place } from '../actions/review.js';
 import { ANCHOR } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server } from '../store/state.js';
+import { movedBack } from '../views/world.js';
 import { isHot } from './interaction.js';
 import { isLarge } from './scale.js';
 import { pathOf } from './space.js';
@@ -21,7 +22,7 @@ export function drawSoles(view) {
 }
 
 function drawSole(view, pin) {
-  const corners = pin.sole.map((p) => view.project(p));
+  const corners = pin.sole.map((p) => view.project(movedBack(p, server.camera_here)));
   if (!corners.every(isSeen)) return nothing;
   const now = isPinAt(pin, server.view.frame) ? '' : 'elsewhere';
   return svg`<path class=${`sole ${colour(pin)} ${now}`} d=${pathOf(corners, true)} />`;

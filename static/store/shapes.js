@@ -313,7 +313,7 @@
  * @property {number} first
  * @property {number} last
  * @property {boolean} floor
- * @property {Point[]} sole  Its outline where it was put down; none but of a foot.
+ * @property {Point[]} sole  Its outline where it was put down, in the world; none but of a foot.
  * @property {number | null} slides_cm  At most, in the motion as it was solved.
  * @property {number | null} keyframe  The one that stands against it.
  * @property {string} problem

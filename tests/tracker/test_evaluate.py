@@ -11,7 +11,8 @@ from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
 from keypose.tracker.errors import FormatError
 from keypose.tracker.evaluate import JointReference, Spread, evaluate, evaluate_joints
-from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from keypose.tracker.solver.posed import BodyPoint
 from tests.tracker import session_cases as cases
 
@@ -136,3 +137,30 @@ def test_no_errors_have_no_spread() -> None:
     spread = Spread.of(np.full((2, 3), np.nan))
     assert spread.count == 0
     assert np.isnan([spread.mean, spread.median, spread.p95]).all()
+
+
+def test_before_a_camera_that_moves_errors_are_in_its_picture_and_interpolation_in_the_world() -> (
+    None
+):
+    t = np.linspace(0, 1, 9)[:, None]
+    path = CameraPath.of(exp_rotation(t * [0.0, -0.5, 0.1]), t * [0.3, 0.0, 0.1], 1 + t[:, 0])
+    linear = joined(
+        [interpolate(truth().pose(a), truth().pose(b), a, b) for a, b in pairwise(KEYS)]
+    )
+    seen = linear.carried(path.Ts_camera_world)
+    exact = evaluate(SKELETON, CAMERA, seen, seen, KEYS, path=path).interpolation
+    assert exact.distance_m is not None
+    assert exact.distance_m.overall.p95 < 1e-9
+    cameras = [path.camera_at(CAMERA, frame) for frame in range(9)]
+    marks = np.stack(
+        [camera.project(ps) for camera, ps in zip(cameras, seen.joints(SKELETON), strict=True)]
+    )
+    reference = JointReference(
+        ("left_arm",), (((2, (0.0, 0.0, 0.0)),),), marks[:, 2:3], np.arange(9)
+    )
+    found = evaluate_joints(SKELETON, CAMERA, seen, reference, KEYS, path=path)
+    assert found.estimate.pixels.overall.p95 < 1e-9
+    aside = shifted(seen, (0.1, 0.0, 0.0))
+    moved = evaluate(SKELETON, CAMERA, aside, seen, KEYS, path=path).estimate.pixels
+    one_focal = evaluate(SKELETON, CAMERA, aside, seen, KEYS).estimate.pixels
+    assert moved.overall.mean > 1.4 * one_focal.overall.mean

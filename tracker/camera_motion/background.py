@@ -32,13 +32,15 @@ class BodyBackground:
     """The background of a film in which a body is about where it is known to be.
 
     camera: of the film, with its distortion.  poses: camera frame, by frame; between two of them
-    the body is on the way from one to the other.
+    the body is on the way from one to the other.  zoom (F,): the focal length with which they are
+    seen, as a multiple of the camera's; None where that is 1.
     """
 
     skeleton: Skeleton
     camera: Camera
     poses: Mapping[int, Pose]
     masks: Sequence[IgnoreMask] = ()
+    zoom: Array | None = None
 
     def __call__(self, frame: int) -> NDArray[np.bool_] | None:
         """(H, W) where the background may be; None where it may be everywhere."""
@@ -51,7 +53,10 @@ class BodyBackground:
             corners = np.clip(np.array(mask.polygon), -WIDEST_PX, WIDEST_PX)
             cv2.fillPoly(covered, [np.round(corners).astype(np.int32)], 1)
         if pose is not None:
-            self._cover(covered, pose)
+            camera = (
+                self.camera if self.zoom is None else self.camera.zoomed(float(self.zoom[frame]))
+            )
+            self._cover(covered, pose, camera)
         return np.asarray(covered == 0)
 
     @cached_property
@@ -72,8 +77,8 @@ class BodyBackground:
         Rs = rotation_between(one.Rs_parent_part, other.Rs_parent_part, np.array([share]))[0]
         return Pose(Rs, one.p_camera_root + share * (other.p_camera_root - one.p_camera_root))
 
-    def _cover(self, covered: NDArray[np.uint8], pose: Pose) -> None:
-        outlines = [uv for uv in self._outlines(pose) if len(uv) > 2]
+    def _cover(self, covered: NDArray[np.uint8], pose: Pose, camera: Camera) -> None:
+        outlines = [uv for uv in self._outlines(pose, camera) if len(uv) > 2]
         if not outlines:
             return
         every = np.concatenate(outlines)
@@ -83,11 +88,11 @@ class BodyBackground:
             cv2.fillConvexPoly(covered, hull, 1)
             cv2.polylines(covered, [hull], True, 1, thickness=max(1, round(2 * margin)))
 
-    def _outlines(self, pose: Pose) -> list[Array]:
+    def _outlines(self, pose: Pose, camera: Camera) -> list[Array]:
         """Pixels (K, 2) of every part's corners."""
         Ts, found = pose_transforms(self.skeleton, pose), []
         for T, part in zip(Ts, self.skeleton.body.parts, strict=True):
             p = apply_transform(T, part.shape.mesh().vertices)
             if p[:, 2].min() > NEAREST_M:
-                found.append(np.clip(self.camera.project(p), -WIDEST_PX, WIDEST_PX))
+                found.append(np.clip(camera.project(p), -WIDEST_PX, WIDEST_PX))
         return found

@@ -114,7 +114,7 @@ Row: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 @dataclass(frozen=True, eq=False)
 class CameraWay:
     """frames (K,): ascending numbers, as the file counts.  Ts_world_camera (K, 4, 4): metres, the
-    camera looks along +z.  zoom (K,): the focal length as a multiple of the first frame's.
+    camera looks along +z.  zoom (K,): the focal length as a multiple of the camera's.
     """
 
     frames: NDArray[np.int64]
@@ -135,6 +135,18 @@ class CameraFile:
     up_camera: Array
     floor_m: float | None
     way: CameraWay | None = None
+
+    def from_row(self, row: int) -> CameraFile:
+        """The same of a camera that moves, from a row of its way on, and of that."""
+        if self.way is None or row == 0:
+            return self
+        Ts, zoom = self.way.Ts_world_camera[row:], self.way.zoom[row:]
+        rise = float(Ts[0, 1, 3] - self.way.Ts_world_camera[0, 1, 3])
+        return CameraFile(
+            self.camera.zoomed(float(zoom[0])), np.asarray(Ts[0, 1, :3]),
+            None if self.floor_m is None else self.floor_m - rise,
+            CameraWay(self.way.frames[row:], Ts, zoom / zoom[0]),
+        )  # fmt: skip
 
 
 def load_camera(path: Path, size: Size) -> CameraFile:
@@ -170,6 +182,9 @@ class _CameraFields(BaseModel):
     distortion: Annotated[tuple[FiniteFloat, ...], Field(alias="distortion_k1_k2_p1_p2_k3")]
     floor_m: FiniteFloat | None = None
     frames: tuple[_CameraFrame, ...] = ()
+    first_frame: FiniteFloat = 0.0
+    last_frame: FiniteFloat = 0.0
+    film_frames: tuple[FiniteFloat, FiniteFloat] | None = None
 
 
 class _CameraFrame(BaseModel):
@@ -191,11 +206,17 @@ def _read_json(file: str, content: bytes, size: Size) -> CameraFile:
         raise FormatError(f"{file} is not JSON.") from None
     T = np.array(fields.T_world_camera)
     floor_m = None if fields.floor_m is None else fields.floor_m - float(T[1, 3])
-    way = None
-    if fields.frames:
-        Ts = np.array([each.T_world_camera for each in fields.frames])
-        focal = np.array([each.fy for each in fields.frames])
-        way = _way(file, [each.frame for each in fields.frames], Ts, focal)
+    way, rows = None, fields.frames
+    if rows and fields.film_frames not in (None, (fields.first_frame, fields.last_frame)):
+        raise FormatError(
+            f"{file} has a rate of its own, not the video's frames: export it without --fps."
+        )
+    if rows:
+        if rows[0].frame > 0:  # all else is of the film's first frame
+            first = _CameraFrame(frame=0, T_world_camera=fields.T_world_camera, fy=camera.fy)
+            rows = (first, *rows)
+        Ts, zoom = np.array([each.T_world_camera for each in rows]), [each.fy for each in rows]
+        way = _way(file, [each.frame for each in rows], Ts, np.array(zoom) / camera.fy)
     return CameraFile(_resized(file, camera, size), _up(file, T[:3, :3]), floor_m, way)
 
 
@@ -245,11 +266,11 @@ def _read_chan(file: str, content: bytes, size: Size) -> CameraFile:
     if zooms or not _is_still(numbers[:, 1:4], Rs):
         focal = 1 / np.tan(np.radians(numbers[:, 7]) / 2)
         frames = [round(float(number)) for number in numbers[:, 0]]
-        way = _way(file, frames, transform(Rs * FLIP, numbers[:, 1:4]), focal)
+        way = _way(file, frames, transform(Rs * FLIP, numbers[:, 1:4]), focal / focal[0])
     return CameraFile(camera, _up(file, Rs[0] * FLIP), None, way)
 
 
-def _way(file: str, frames: Sequence[int], Ts_world_camera: Array, focal: Array) -> CameraWay:
+def _way(file: str, frames: Sequence[int], Ts_world_camera: Array, zoom: Array) -> CameraWay:
     """Where a camera was at frames that ascend."""
     numbers = np.array(frames, dtype=np.int64)
     if not (np.diff(numbers) > 0).all():
@@ -258,7 +279,7 @@ def _way(file: str, frames: Sequence[int], Ts_world_camera: Array, focal: Array)
     if not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-3):
         raise FormatError(f"{file}: T_world_camera is no rotation.")
     Ts = transform(nearest_rotation(Rs), Ts_world_camera[:, :3, 3])
-    return CameraWay(numbers, Ts, focal / focal[0])
+    return CameraWay(numbers, Ts, zoom)
 
 
 def _rotations_zxy(angles: Array) -> Array:

@@ -22,31 +22,39 @@ NEAREST_M = 1e-6
 
 
 @compiled
-def _point_miss(limits, lens, x, y, z, q):
-    """The squared miss of a point at x, y, z that should be at q."""
+def _point_miss(motion, limits, lens, n, x, y, z, q):
+    """The squared miss of a point at x, y, z that should be at q at frame n."""
     away = ((x - q[0]) ** 2 + (y - q[1]) ** 2 + (z - q[2]) ** 2) / limits.metres**2
-    if limits.pixels == math.inf or q[2] <= NEAREST_M:
+    if limits.pixels == math.inf:
         return away
-    if z <= NEAREST_M:
+    T = motion.Ts_camera_world[n]
+    deep = T[2, 0] * q[0] + T[2, 1] * q[1] + T[2, 2] * q[2] + T[2, 3]
+    near = T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3]
+    if deep <= NEAREST_M:
+        return away
+    if near <= NEAREST_M:
         return math.inf
-    here = z if lens.perspective else lens.distance
-    there = q[2] if lens.perspective else lens.distance
-    u = lens.fx * (x / here - q[0] / there)
-    v = lens.fy * (y / here - q[1] / there)
+    here = near if lens.perspective else lens.distance
+    there = deep if lens.perspective else lens.distance
+    across = (T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3]) / here
+    across -= (T[0, 0] * q[0] + T[0, 1] * q[1] + T[0, 2] * q[2] + T[0, 3]) / there
+    down = (T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3]) / here
+    down -= (T[1, 0] * q[0] + T[1, 1] * q[1] + T[1, 2] * q[2] + T[1, 3]) / there
+    u, v = lens.fx * motion.zoom[n] * across, lens.fy * motion.zoom[n] * down
     return max(away, (u * u + v * v) / limits.pixels**2)
 
 
 @compiled
-def _part_miss(body, targets, limits, lens, part, work):
-    """The largest squared miss of the points of a part that is placed; they are due at targets."""
-    worst = 0.0
+def _part_miss(motion, body, limits, lens, n, part, work):
+    """The largest squared miss of the points of a part that is placed at frame n."""
+    worst, targets = 0.0, motion.points[n]
     R, p = work.HR[part], work.Ho[part]
     for m in range(body.starts[part], body.starts[part + 1]):
         a = body.points[m]
         x = R[0, 0] * a[0] + R[0, 1] * a[1] + R[0, 2] * a[2] + p[0]
         y = R[1, 0] * a[0] + R[1, 1] * a[1] + R[1, 2] * a[2] + p[1]
         z = R[2, 0] * a[0] + R[2, 1] * a[1] + R[2, 2] * a[2] + p[2]
-        worst = max(worst, _point_miss(limits, lens, x, y, z, targets[m]))
+        worst = max(worst, _point_miss(motion, limits, lens, n, x, y, z, targets[m]))
     return worst
 
 
@@ -113,7 +121,7 @@ def interval_misses(motion, body, limits, lens, a, b, work, out):
                 _turn(motion, a, b, part, work)
                 turned += 1
             _place(motion, body, a, b, n, part, work)
-            worst = max(worst, _part_miss(body, motion.points[n], limits, lens, part, work))
+            worst = max(worst, _part_miss(motion, body, limits, lens, n, part, work))
             if worst > limits.largest and work.give_up[0]:
                 work.witness[0], work.witness[1] = n, part
                 return math.inf
@@ -139,7 +147,7 @@ def _is_off(motion, body, limits, lens, a, b, work):
     for k in range(depth - 1, -1, -1):
         _turn(motion, a, b, work.way[k], work)
         _place(motion, body, a, b, n, work.way[k], work)
-    return _part_miss(body, motion.points[n], limits, lens, part, work) > limits.largest
+    return _part_miss(motion, body, limits, lens, n, part, work) > limits.largest
 
 
 @compiled

@@ -95,13 +95,16 @@ class DenseMotion(NamedTuple):
     """A pose for every frame, and where it has the points of a `ComparedBody`.
 
     Rs (N, P, 3, 3) in the parents' frames · ps (N, 3) of the root · points (N, M, 3), all metres in
-    the camera frame · known (N,) bool: where there is a pose.
+    the world · known (N,) bool: where there is a pose · Ts_camera_world (N, 4, 4) · zoom (N,): the
+    focal length as a multiple of the lens's.
     """
 
     Rs: NDArray[np.float64]
     ps: NDArray[np.float64]
     points: NDArray[np.float64]
     known: NDArray[np.bool_]
+    Ts_camera_world: NDArray[np.float64]
+    zoom: NDArray[np.float64]
 
 
 class Limits(NamedTuple):

@@ -14,6 +14,7 @@ from keypose.tracker.body.body import Part
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.intervals import interval_costs, interval_misses, reached_from
 from keypose.tracker.kernels.layout import ComparedBody, DenseMotion, IntervalWork, Lens, Limits
@@ -28,7 +29,8 @@ class Comparison:
 
     Frames here count from the motion's first. tolerance: None where no miss is too large; they are
     in metres then, and otherwise shares of the tolerance. parts: those that are interpolated and
-    compared, all where None; the others move as they do.
+    compared, all where None; the others move as they do.  path: of the camera over the motion,
+    whose poses are in its frame; they are interpolated in the world. None where it stands still.
     """
 
     skeleton: Skeleton
@@ -36,6 +38,7 @@ class Comparison:
     motion: Trajectory
     tolerance: Tolerance | None = None
     parts: frozenset[int] | None = None
+    path: CameraPath | None = None
 
     @cached_property
     def known(self) -> NDArray[np.bool_]:
@@ -73,8 +76,10 @@ class Comparison:
     def _arrays(self) -> tuple[DenseMotion, ComparedBody, Limits, Lens]:
         body = _compared_body(self.skeleton, self.parts)
         of = np.repeat(np.arange(self.skeleton.part_count), np.diff(body.starts))
-        Rs, ps = self.motion.writable()
-        T = self.motion.transforms(self.skeleton)[:, of]
+        path = self.path or CameraPath.standing_still(len(self.motion))
+        placed = self.motion if self.path is None else self.motion.carried(path.Ts_world_camera)
+        Rs, ps = placed.writable()
+        T = placed.transforms(self.skeleton)[:, of]
         points = (T[..., :3, :3] @ body.points[..., None])[..., 0] + T[..., :3, 3]
         camera = self.camera
         lens = Lens(
@@ -82,7 +87,14 @@ class Comparison:
             int(camera.projection == "perspective"), camera.telephoto_distance_m or 1.0,
         )  # fmt: skip
         return (
-            DenseMotion(Rs, ps, np.ascontiguousarray(points), self.known),
+            DenseMotion(
+                Rs,
+                ps,
+                np.ascontiguousarray(points),
+                self.known,
+                np.array(path.Ts_camera_world),
+                np.array(path.zoom),
+            ),
             body,
             _limits(self.tolerance),
             lens,

@@ -29,6 +29,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.reduction.compare import Comparison, Frames
 from keypose.tracker.reduction.result import LEAST_M, Every, Goal, Reduction, Tolerance
@@ -161,6 +162,7 @@ def reduce_motion(
     required: Collection[int] = (),
     parts: Collection[int] | None = None,
     progress: Callable[[int, int], None] = lambda done, expected: None,
+    path: CameraPath | None = None,
 ) -> Reduction:
     """The fewest frames from which `interpolate` makes a motion again, to a tolerance; or, of one
     in so many frames, those from which it does so best.
@@ -172,12 +174,14 @@ def reduce_motion(
     camera: for tolerances in the picture.  required: frames of the video that are keyframes anyway.
     parts: those that are interpolated and compared, all where None; the others move as they do.
     progress: is given how many frames are reached, of how many; what it raises ends the work.
+    path: of the camera over the film, where it moves: interpolation is even in the world.
     ReductionError in one sentence where fewer than two frames have a pose, or a required one has
     none.
     """
     chosen = None if parts is None else frozenset(parts)
     tolerance = goal if isinstance(goal, Tolerance) else None
-    comparison = Comparison(skeleton, camera, motion, tolerance, chosen)
+    over = None if path is None else path.between(motion.first_frame, motion.last_frame)
+    comparison = Comparison(skeleton, camera, motion, tolerance, chosen, over)
     frames = np.flatnonzero(comparison.known)
     if len(frames) < 2:
         raise ReductionError(

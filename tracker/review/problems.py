@@ -193,7 +193,7 @@ def _how_it_moves(
     known: JudgedSegments, track: SegmentResult, frame: int
 ) -> tuple[ProblemCause, Span]:
     """Return what is seen of the motion that makes a keyframe needed at a frame."""
-    fast = fast_about(track, frame)
+    fast = fast_about(known.in_world(track), frame)
     if fast is not None:
         return "fast_motion", fast
     is_longest = min(known.lengths) < track.last - track.first == max(known.lengths)
@@ -229,7 +229,9 @@ def _of_part(known: JudgedSegments, track: SegmentResult, doubt: Doubt) -> Probl
     hidden = _occlusion(known, track, found)
     if hidden.behind is not None or unseen_share(track, doubt.part, frames) > 0:
         return replace(hidden, cause="not_seen")
-    return replace(found, cause="fast_motion") if fast_about(track, frame) else found
+    return (
+        replace(found, cause="fast_motion") if fast_about(known.in_world(track), frame) else found
+    )
 
 
 def _occlusion(known: JudgedSegments, track: SegmentResult, found: Problem) -> Problem:

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from keypose.tracker.body.trajectory import runs
+from keypose.tracker.body.trajectory import Trajectory, runs
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.diagnostics.expected_gain import MENDED
@@ -140,21 +140,23 @@ def _runs_over(values: Array, least: float) -> list[Span]:
     return joined
 
 
-def fast_about(track: SegmentResult, frame: int) -> Span | None:
-    """The run of fast frames that a frame lies in, where it stands out of its segment."""
-    path = track.trajectory
-    Rs, ps = path.Rs_parent_part, path.ps_camera_root
+def fast_about(motion: Trajectory, frame: int) -> Span | None:
+    """The run of fast frames that a frame lies in, where it stands out of its segment.
+
+    motion: of the segment, in the world.
+    """
+    first_frame, Rs, ps = motion.first_frame, motion.Rs_parent_part, motion.ps_camera_root
     turned = np.linalg.norm(log_rotation(transpose(Rs[:-1]) @ Rs[1:]), axis=-1).max(axis=1)
     shifted = np.linalg.norm(np.diff(ps, axis=0), axis=1) / ROOT_LEVER_M
     speed = np.rad2deg(np.maximum(turned, shifted))
     fast = speed > max(FAST * speed.mean(), FAST_DEG)
-    step = min(frame - track.first, len(speed) - 1)
+    step = min(frame - first_frame, len(speed) - 1)
     if not fast[step] or fast.mean() > FAST_SHARE:
         return None
     slow = np.flatnonzero(~fast)
     first = int(slow[slow < step].max(initial=-1)) + 1
     last = int(slow[slow > step].min(initial=len(speed)))
-    return track.first + first, track.first + last
+    return first_frame + first, first_frame + last
 
 
 def unseen_share(track: SegmentResult, part: int, frames: Span) -> float:

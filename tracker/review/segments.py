@@ -16,6 +16,7 @@ from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import part_transforms, pose_transforms
 from keypose.tracker.body.ray_parts import parts_on_ray
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
@@ -106,6 +107,13 @@ class JudgedSegments:
     def name(self, index: int) -> str | None:
         """Return the name of a part; None where names are not known."""
         return self.parts[index] if index < len(self.parts) else None
+
+    def in_world(self, track: SegmentResult) -> Trajectory:
+        """The motion of a segment in the world."""
+        if self.path is None:
+            return track.trajectory
+        over = self.path.between(track.first, track.last)
+        return track.trajectory.carried(over.Ts_world_camera)
 
     def far_end_m(self, track: SegmentResult, frame: int, part: str | None) -> Array | None:
         """(3,) where the far end of a part lies, camera frame; None without a skeleton."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import math
 import operator
 from functools import lru_cache
 from itertools import pairwise
@@ -11,7 +12,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field, FiniteFloat, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, field_validator, model_validator
 
 from keypose.tracker.geometry.camera_path import CameraCorrection, CameraPath, corrected
 from keypose.tracker.geometry.rotations import (
@@ -26,7 +27,11 @@ from keypose.tracker.session.settings import FrameIndex, Plain, Position
 
 NUMBERS = 8
 """Of a frame: a quaternion w, x, y, z, a place x, y, z, and the zoom."""
+OFF_UNIT = 1e-3
+"""How far the length of a quaternion may be from 1."""
 MOST_ZOOM = 1000.0
+FARTHEST = 1e6
+"""Metres, or units of its own, that a camera may be away from where it was at first."""
 
 
 def packed(numbers: Array) -> str:
@@ -206,10 +211,12 @@ class CameraMotion(Plain):
         if not len(numbers) or len(numbers) % NUMBERS:
             raise ValueError(f"samples: {len(numbers)} numbers are no multiple of {NUMBERS}")
         rows = numbers.reshape(-1, NUMBERS)
-        if not (np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1) < 1e-3).all():
+        if not (np.abs(np.linalg.norm(rows[:, :4], axis=1) - 1) < OFF_UNIT).all():
             raise ValueError("samples: a quaternion is not of unit length")
         if not ((rows[:, 7] > 1 / MOST_ZOOM) & (rows[:, 7] < MOST_ZOOM)).all():
             raise ValueError("samples: a zoom is not between a thousandth and a thousand")
+        if not (np.abs(rows[:, 4:7]) <= FARTHEST).all():
+            raise ValueError(f"samples: a place is farther away than {FARTHEST:g}")
         if len(unpacked(self.error_px)) not in (0, len(rows)):
             raise ValueError("error_px: has another number of frames than the samples")
         starts = [*self._starts, len(rows)]
@@ -219,12 +226,20 @@ class CameraMotion(Plain):
 
 
 class CameraKeyframe(Plain):
-    """The camera at one frame, as a person set it. Its motion meets it exactly."""
+    """The camera at one frame, as a person set it. Its motion meets it exactly. At the first frame
+    it is the world's own."""
 
-    frame: FrameIndex
+    frame: Annotated[FrameIndex, Field(ge=1)]
     R_camera_world_wxyz: Quaternion
     p_camera_world: Position = (0.0, 0.0, 0.0)
     zoom: Annotated[FiniteFloat, Field(ge=1 / MOST_ZOOM, le=MOST_ZOOM)] = 1.0
+
+    @field_validator("R_camera_world_wxyz")
+    @classmethod
+    def _is_rotation(cls, wxyz: Quaternion) -> Quaternion:
+        if abs(math.hypot(*wxyz) - 1.0) > OFF_UNIT:
+            raise ValueError("is not a unit quaternion [w, x, y, z]")
+        return wxyz
 
     @classmethod
     def of(cls, frame: int, T_camera_world: Array, zoom: float) -> Self:

@@ -38,7 +38,13 @@ from keypose.tracker.files import read_own
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.model_files import cache_folder
-from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
+from keypose.tracker.session.camera_motion import (
+    CameraFinding,
+    CameraKeyframe,
+    CameraMotion,
+    CameraPiece,
+    path_through,
+)
 from keypose.tracker.session.pins import Pin, pins_within
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
@@ -86,11 +92,16 @@ class FoundCamera:
     lens: Camera | None = None
 
     def applied(self, session: Session) -> Session:
-        """The session with this motion of its camera; whether that stands still is as found."""
+        """The session with this motion of its camera; whether that stands still is as found. How a
+        person corrected its turns stays, as long as it moves."""
+        before = session.view.camera_motion
+        keys = () if self.motion is None else session.view.camera_keyframes
+        if self.motion is not None and before is not None:
+            keys = _kept_on_path(keys, before, self.motion)
         video = session.view.video.model_copy(update={"stands_still": self.kind == "static"})
         settings = session.settings.model_copy(update={"static_camera": None})
-        fields = {"camera_motion": self.motion, "video": video, "settings": settings}
-        return session.changed(fields)
+        fields = {"video": video, "settings": settings, "camera_keyframes": keys}
+        return session.changed({"camera_motion": self.motion, **fields})
 
 
 def find_camera(
@@ -152,7 +163,9 @@ class _Film:
     @cached_property
     def background(self) -> BodyBackground:
         view, skeleton = self.session.view, Skeleton.of(self.session.subject.body)
-        return BodyBackground(skeleton, view.camera, self.poses, view.ignore_masks)
+        path = self.session.camera_path
+        zoom = None if path is None else path.zoom
+        return BodyBackground(skeleton, view.camera, self.poses, view.ignore_masks, zoom)
 
     @property
     def frame_count(self) -> int:
@@ -229,10 +242,29 @@ def with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Sessi
             continue
         found = _scale(session, path, [run for run in within if len(run) > 1])
         if found is not None:
-            pieces[number] = piece.model_copy(update={"metres": round(found.metres, 6)})
+            pieces[number] = piece.model_copy(update={"metres": float(f"{found.metres:.7g}")})
     if tuple(pieces) == motion.pieces:
         return session
-    return session.changed({"camera_motion": motion.model_copy(update={"pieces": tuple(pieces)})})
+    scaled = motion.model_copy(update={"pieces": tuple(pieces)})
+    keys = _kept_on_path(session.view.camera_keyframes, motion, scaled)
+    return session.changed({"camera_motion": scaled, "camera_keyframes": keys})
+
+
+def _kept_on_path(
+    keys: Sequence[CameraKeyframe], motion: CameraMotion, other: CameraMotion
+) -> tuple[CameraKeyframe, ...]:
+    """Corrections of a camera's motion as those of another one of the same film: turned as they
+    are, and beside the path as they were, which is on it where a person turned the camera alone."""
+    kept: list[CameraKeyframe] = []
+    for number, key in enumerate(keys):
+        was, becomes = (
+            path_through(one, tuple(before)).Ts_world_camera[key.frame, :3, 3]
+            for one, before in ((motion, keys[:number]), (other, kept))
+        )
+        T = key.correction.T_camera_world.copy()
+        T[:3, 3] -= T[:3, :3] @ (becomes - was)
+        kept.append(CameraKeyframe.of(key.frame, T, key.zoom))
+    return tuple(kept)
 
 
 def _within(run: Trajectory, span: Span) -> Trajectory:
@@ -344,7 +376,7 @@ def background_picture(session: Session, video: Video) -> NDArray[np.uint8]:
     camera = session.view.camera
     loader = ClipLoader(
         video, camera, WorkingSize.for_camera(camera, 1), steady=steady,
-        turns=turns_of(camera, motion),
+        turns=turns_of(steady, motion),
     )  # fmt: skip
     return loader.panorama_in_colour().picture
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, frozen, rotation_from_quaternion
 from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.model_files import find_model
@@ -128,28 +129,31 @@ def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> li
 def steady_camera(session: Session) -> SteadyCamera | None:
     """The camera in whose place a session's film is tracked; None where its own stands still.
 
-    It goes along the path as that was found: what a person corrects changes no tracked motion.
+    It turns along the path as that was found: how a person corrects its turns changes no tracked
+    motion. It zooms as corrected, since poses are seen so.
     """
-    motion = session.view.camera_motion
-    if motion is None or session.camera_path is None:
+    motion, path = session.view.camera_motion, session.camera_path
+    if motion is None or path is None:
         return None
-    return _steady(session.view.camera, motion)
+    return _steady(session.view.camera, motion, path)
 
 
 @lru_cache(maxsize=4)
-def _steady(camera: Camera, motion: CameraMotion) -> SteadyCamera:
-    return SteadyCamera.along(camera, motion.path)
+def _steady(camera: Camera, motion: CameraMotion, path: CameraPath) -> SteadyCamera:
+    found = CameraPath(motion.path.Ts_camera_world, path.zoom)
+    return SteadyCamera.along(camera, found)
 
 
 def background_turns(session: Session) -> Array | None:
     """Return how the steady camera is turned from the world at every frame, (F, 3, 3), where a film
     is compared with the empty scene all around its camera; with keypoints that gains nothing."""
     motion, method = session.view.camera_motion, session.settings.method
-    if method != "keypose" or _uses_keypoints(session) or steady_camera(session) is None:
+    steady = steady_camera(session)
+    if method != "keypose" or _uses_keypoints(session) or steady is None:
         return None
     if motion is None or motion.kind != "turns":
         return None
-    return turns_of(session.view.camera, motion)
+    return turns_of(steady, motion)
 
 
 def shows_background(session: Session) -> bool:
@@ -159,23 +163,22 @@ def shows_background(session: Session) -> bool:
 
 
 @lru_cache(maxsize=4)
-def turns_of(camera: Camera, motion: CameraMotion) -> Array:
+def turns_of(steady: SteadyCamera, motion: CameraMotion) -> Array:
     """How the steady camera of one that turns is turned from the world, (F, 3, 3)."""
-    steady = _steady(camera, motion)
     return frozen(steady.Rs_steady_camera @ motion.path.Ts_camera_world[:, :3, :3])
 
 
 def _plate(session: Session) -> list[Any]:
     """Return what the empty scene all around is put together by; nothing where there is none."""
-    motion = session.view.camera_motion
-    if motion is None or background_turns(session) is None:
+    motion, steady = session.view.camera_motion, steady_camera(session)
+    if motion is None or steady is None or background_turns(session) is None:
         return []
-    return [{"around": _around_digest(session.view.camera, motion)}]
+    return [{"around": _around_digest(steady, motion)}]
 
 
 @lru_cache(maxsize=4)
-def _around_digest(camera: Camera, motion: CameraMotion) -> str:
-    numbers = (turns_of(camera, motion).ravel(), motion.path.zoom)
+def _around_digest(steady: SteadyCamera, motion: CameraMotion) -> str:
+    numbers = (turns_of(steady, motion).ravel(), steady.zoom)
     rounded = np.round(np.concatenate(numbers), DECIMALS) + 0.0
     return hashlib.sha256(rounded.tobytes()).hexdigest()
 

@@ -80,14 +80,28 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
     reasons = []
     if results.tracked_for not in (None, setup_hash(session)):
         reasons.append(f"{session.evidence.words.setup} have changed")
+    camera = ["the camera's motion"] if _may_move(session) else []
     if keyed and moved:
-        reasons.append("pins, the floor, smoothing or the frame rate have changed")
+        some = ["pins", "the floor", "smoothing", *camera, "the frame rate"]
+        reasons.append(f"{_either(some)} have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
-    other = "settings or keypoints" if session.view.keypoint_corrections else "settings"
-    if session.subject.part_keyframes:
-        other = f"part keyframes, {other}" if "or" in other else f"part keyframes or {other}"
+    part_keyframes = ["part keyframes"] if session.subject.part_keyframes else []
+    keypoints = ["keypoints"] if session.view.keypoint_corrections else []
+    other = _either([*part_keyframes, "settings", *keypoints, *camera])
     return reasons or ([f"{other} have changed"] if keyed else [])
+
+
+def _may_move(session: Session) -> bool:
+    """Return whether the film's camera does not stand still, as far as anybody has looked."""
+    view = session.view
+    return view.camera_motion is not None or view.video.stands_still is False
+
+
+def _either(names: Sequence[str]) -> str:
+    """ "settings", "settings or keypoints", "part keyframes, settings or keypoints"."""
+    *most, last = names
+    return f"{', '.join(most)} or {last}" if most else last
 
 
 def _is_outdated(session: Session, results: Results) -> bool:

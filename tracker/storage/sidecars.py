@@ -231,12 +231,18 @@ def save_keypoints(
     return session.changed({"keypoints": reference})
 
 
-def at_one_focal(session: Session, keypoints: Keypoints) -> Keypoints:
-    """Keypoints of a session's film as its camera sees them without its zoom."""
+def one_focal(session: Session) -> SteadyCamera | None:
+    """A session's camera without its zoom; None where it has none."""
     path = session.camera_path
     if path is None or not path.zooms:
-        return keypoints
-    return keypoints.steadied(SteadyCamera.at_one_focal(session.view.camera, path))
+        return None
+    return SteadyCamera.at_one_focal(session.view.camera, path)
+
+
+def at_one_focal(session: Session, keypoints: Keypoints) -> Keypoints:
+    """Keypoints of a session's film as its camera sees them without its zoom."""
+    steady = one_focal(session)
+    return keypoints if steady is None else keypoints.steadied(steady)
 
 
 def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
@@ -40,10 +41,11 @@ def solved(
     tracked = joined([segment.trajectory for segment in stretch.segments])
     fixed = [*(keyframe.frame for keyframe in keyframes), *(each.frame for each in keyed)]
     moments = Moments.of(session.view.video.repeats, first, last, fixed)
+    path = session.path_over(tracked)
     problem = SpaceProblem(
         skeleton=skeleton,
         camera=session.view.camera.without_distortion(),
-        motion=tracked if moments is None else moments.evened(tracked),
+        motion=tracked if moments is None else _changed_in_world(path, tracked, moments.evened),
         observability=np.concatenate(
             [segment.diagnostics.observability for segment in stretch.segments]
         ),
@@ -56,7 +58,7 @@ def solved(
         smooth=bool(session.settings.smooth),
         up_world=up_of(session),
         floor_m=session.world.floor_m,
-        path=session.path_over(tracked),
+        path=path,
     )
     found = solve_space(problem, cancelled)
     pins = tuple(_pin_results(stretch.pins, held, found, exact))
@@ -81,8 +83,20 @@ def solved(
         floor_m=found.floor_m if session.world.floor_m is None else session.world.floor_m,
         path=problem.path,
     )
-    motion = found.motion if moments is None else moments.shown(found.motion)
+    motion = found.motion
+    if moments is not None:
+        motion = _changed_in_world(path, motion, moments.shown)
     return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
+
+
+def _changed_in_world(
+    path: CameraPath | None, motion: Trajectory, change: Callable[[Trajectory], Trajectory]
+) -> Trajectory:
+    """A motion that a camera saw, changed in the world: where a picture is repeated, so is the
+    place of the camera."""
+    if path is None:
+        return change(motion)
+    return change(motion.carried(path.Ts_world_camera)).carried(path.Ts_camera_world)
 
 
 def up_of(session: Session) -> Array:

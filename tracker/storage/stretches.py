@@ -12,12 +12,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from keypose.tracker.body.body import Body
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_within
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
-from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.fingerprints import DECIMALS, Span
 from keypose.tracker.tracking.result import SegmentResult
 
 STRETCH_KEY_VERSION = 1
@@ -129,7 +131,7 @@ def _camera(session: Session, span: Span) -> list[Any]:
     path = session.camera_path
     if path is None:
         return []
-    over = path.between(*span).Ts_camera_world
+    over = np.round(path.between(*span).Ts_camera_world, DECIMALS) + 0.0  # as any machine has it
     return [{"camera": hashlib.sha256(over.tobytes()).hexdigest()}]
 
 

@@ -78,8 +78,8 @@ def tracker_of(
     source = people = None
     steady = steady_camera(session)
     if session.settings.method == "keypose":  # the published method looks for nobody
-        source = _steadied(keypoint_source(session, video, keypoints), steady)
-        people = _steadied(_people(session, video), steady)
+        source = steadied(keypoint_source(session, video, keypoints), steady)
+        people = steadied(_people(session, video), steady)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.subject.first_motion
@@ -96,7 +96,8 @@ def tracker_of(
     )  # fmt: skip
 
 
-def _steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> KeypointSource | None:
+def steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> KeypointSource | None:
+    """Keypoints as a steady camera sees them; themselves where there is none."""
     return source if source is None or steady is None else SteadyKeypoints(source, steady)
 
 

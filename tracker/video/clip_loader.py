@@ -193,9 +193,9 @@ class ClipLoader:
 
     def _grey(self, rgb: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
         grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
-        return self._working(grey, frame)
+        return self.working(grey, frame)
 
-    def _working(self, picture: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
+    def working(self, picture: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
         """A picture of a frame without distortion, from a steady camera, at the working size."""
         picture = self.camera.rectify(picture)
         if self.steady is not None:
@@ -223,7 +223,7 @@ class ClipLoader:
     def _shown(self, frame: int) -> NDArray[np.uint8]:
         """255 where the film has a picture of a frame."""
         white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
-        return self._working(white, frame)
+        return self.working(white, frame)
 
     def _beyond_lens(self, frame: int) -> NDArray[np.bool_]:
         """Pixels of the rectified picture that the lens never showed."""
@@ -236,7 +236,7 @@ class ClipLoader:
         for mask in masks:
             corners = np.clip(np.array(mask.polygon), -FAR_OUT, FAR_OUT)
             cv2.fillPoly(drawn, [np.round(corners).astype(np.int32)], 255)
-        return self._working(drawn, frame) > 0
+        return self.working(drawn, frame) > 0
 
     def _is_background(self, grey: NDArray[np.uint8], frame: int) -> NDArray[np.bool_]:
         """Pixels that look as the empty scene does: no part of a moving body."""
@@ -256,7 +256,7 @@ class ClipLoader:
 
     def panorama_in_colour(self) -> Panorama:
         """The same in RGB, of half as many frames; it is not kept."""
-        return self._put_together(self._working, PANORAMA_FRAMES // 2)
+        return self._put_together(self.working, PANORAMA_FRAMES // 2)
 
     def _put_together(
         self, made: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]], most: int

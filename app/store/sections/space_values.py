@@ -8,9 +8,10 @@ import numpy as np
 
 from keypose.app.editor import shown
 from keypose.app.editor.floor import uneven_feet_m
+from keypose.app.editor.frames import in_world
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
-from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.shown import part_at
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.labels import joint_label, number_text
@@ -174,12 +175,11 @@ def _found(edit: EditorState, pin: Pin) -> dict[str, Json]:
 
 
 def _sole(edit: EditorState, pin: Pin) -> list[list[float]]:
-    """The outline of a pinned foot's sole, as it stands in the middle of the pin."""
+    """The outline of a pinned foot's sole in the world, as it stands in the middle of the pin."""
     if not default_landmarks(edit.doc.subject.body, pin.part):
         return []
     middle = (pin.first_frame + pin.last_frame) // 2
-    T = pose_transforms(edit.skeleton, shown_pose(edit, middle).pose)
-    T_part = T[edit.doc.subject.body.index(pin.part)]
+    T_part = in_world(edit.doc, part_at(edit, pin.part, middle)[None], [middle])[0]
     outline = _sole_in_part(edit.skeleton, pin.part) @ T_part[:3, :3].T + T_part[:3, 3]
     found: list[list[float]] = outline.round(4).tolist()
     return found

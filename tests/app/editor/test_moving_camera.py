@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,19 +12,28 @@ import pytest
 
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import T_camera_world, pointer_views, up_of, views_of
-from keypose.app.editor.motion import end_trail, feet_paths, motion_between
+from keypose.app.editor.motion import angle_curve, end_trail, feet_paths, motion_between
+from keypose.app.editor.moving_camera import forgotten
 from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.export.import_camera import with_camera_file
+from keypose.app.jobs.find_camera import with_found
+from keypose.app.jobs.find_up import FindUp
 from keypose.app.posing import opening_pose
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.formats.reading_camera import CameraFile, CameraWay
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.geometry.rotations import exp_rotation, transpose
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraMotion
+from keypose.tracker.storage.camera_motion import FoundCamera
+from keypose.tracker.storage.fingerprints import segment_keys, steady_camera
+from keypose.tracker.video.upright_lines import UprightLines
 from tests.app.editor.desk import after
 from tests.tracker import panned_cases as panned
 from tests.tracker import session_cases as cases
@@ -243,3 +253,180 @@ def test_what_is_not_tracked_goes_evenly_through_the_world_also_where_it_is_draw
         np.testing.assert_allclose(
             known.Ts_world_part, np.stack([first] * len(known.frames)), atol=1e-9
         )
+
+
+def zooming(share: float = 1.5) -> CameraMotion:
+    zoom = np.linspace(1, share, panned.FRAMES)
+    return CameraMotion.of("turns", CameraPath(panned.path().Ts_camera_world, zoom))
+
+
+def seen(doc: Session) -> dict[int, np.ndarray]:
+    """Where the root of the body is seen, and how large, by frame."""
+    found = {}
+    for posed in doc.subject.posed:
+        camera, (x, y, z) = doc.camera_at(posed.frame), posed.root_m
+        found[posed.frame] = np.array([*camera.project(np.array([x, y, z])), camera.fx / z])
+    return found
+
+
+def found_zooming(doc: Session) -> Session:
+    found = FoundCamera("turns", zooming(), None, (), None)
+    return with_found(doc, found)
+
+
+def imported_zooming(doc: Session) -> Session:
+    path = zooming().path
+    way = CameraWay(np.arange(panned.FRAMES), path.Ts_world_camera, path.zoom)
+    return with_camera_file(doc, CameraFile(panned.CAMERA, np.array(UP), None, way), "file.chan")
+
+
+def edited(*messages: dict[str, Any]) -> Callable[[Session], Session]:
+    def change(_: Session) -> Session:
+        return after(desk(panned.session(zooming()).with_up(UP), frame=20), *messages).doc
+
+    return change
+
+
+ZOOMED_POINTS = {
+    "there": marked(0, P_WORLD),
+    "here": [
+        (1.2 * (np.array(uv) - (159.5, 89.5)) + (159.5, 89.5)).tolist()
+        for uv in marked(20, P_WORLD)
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("changed", "before"),
+    [
+        (found_zooming, panned.session()),
+        (imported_zooming, panned.session()),
+        (forgotten, panned.session(zooming())),
+        (edited({"do": "forget_camera"}), panned.session(zooming())),
+        (edited({"do": "settings", "static_camera": True}), panned.session(zooming())),
+        (edited({"do": "camera_match", "other": 0, **ZOOMED_POINTS}), panned.session(zooming())),
+        (
+            edited(
+                {"do": "camera_match", "other": 0, **ZOOMED_POINTS},
+                {"do": "delete_camera_key", "frame": 20},
+            ),
+            panned.session(zooming()),
+        ),
+    ],
+)
+def test_what_was_posed_keeps_its_place_in_the_picture_whoever_says_that_the_camera_zoomed(
+    changed: Callable[[Session], Session], before: Session
+) -> None:
+    posed, later = seen(before), seen(changed(before))
+    for frame, where in posed.items():
+        np.testing.assert_allclose(later[frame], where, rtol=1e-6)
+
+
+def test_a_zoom_that_is_corrected_counts_in_tracking_and_turns_that_are_do_not() -> None:
+    before = panned.session(zooming()).with_up(UP)
+    state = desk(before, frame=20)
+    turned = after(
+        state,
+        {"do": "camera_horizon", "a": [0.0, 80.0], "b": [300.0, 84.0]},
+    ).doc
+    assert len(turned.view.camera_keyframes) == 1
+    assert segment_keys(turned) == segment_keys(before)
+    zoomed = after(state, {"do": "camera_match", "other": 0, **ZOOMED_POINTS}).doc
+    steady, path = steady_camera(zoomed), zoomed.camera_path
+    assert steady is not None
+    assert path is not None
+    assert path.zoom[20] == pytest.approx(1.2, abs=0.01)
+    np.testing.assert_array_equal(steady.zoom, path.zoom)
+    assert segment_keys(zoomed) != segment_keys(before)
+
+
+def test_points_marked_by_hand_tell_no_zoom_where_a_turn_explains_them() -> None:
+    given = {"other": 0, "here": marked(23, P_WORLD), "there": marked(0, P_WORLD)}
+    given["here"][0][0] += 1.0
+    state = after(desk(wrong(), frame=23), {"do": "camera_match", **given})
+    assert state.doc.view.camera_keyframes[0].zoom == 1.0
+
+
+def test_upright_lines_of_any_frame_say_the_same() -> None:
+    up = exp_rotation(np.radians([14.0, 0.0, 4.0])) @ UP
+    for frame in (0, 13, 23):
+        state = desk(panned.panned(), frame)
+        lines = UprightLines(T_camera_world(state.doc, frame)[:3, :3] @ up, 0.8)
+        found, _ = FindUp(b"", "", "", frame).apply(lines, AppState(edit=state))
+        np.testing.assert_allclose(found.editing.doc.world.up_world, up, atol=1e-5)
+
+
+def in_world(doc: Session, frame: int, skeleton: Skeleton = cases.SKELETON) -> np.ndarray:
+    """Where the parts of what is posed at a frame stand in the world."""
+    posed = next(each for each in doc.subject.posed if each.frame == frame)
+    Ts = pose_transforms(skeleton, posed.pose(skeleton))
+    return np.asarray(np.linalg.inv(T_camera_world(doc, frame)) @ Ts)
+
+
+@pytest.mark.parametrize(
+    ("messages", "frames"),
+    [
+        ([{"do": "move_key", "frame": 12, "to": 19}], (2, 19, 22)),
+        ([{"do": "duplicate_key", "frame": 2, "to": 17}], (2, 12, 17, 22)),
+        ([{"do": "retime_keys", "frames": [12, 22], "to": [9, 20]}], (2, 9, 20)),
+        ([{"do": "retime_keys", "frames": [2, 12], "to": [8, 18], "copy_them": True}], (8, 18)),
+        ([{"do": "go", "frame": 17}, {"do": "copy_key", "from_frame": 2}], (17,)),
+        (
+            [
+                {"do": "go", "frame": 2},
+                {"do": "copy_pose"},
+                {"do": "go", "frame": 17},
+                {"do": "paste_pose"},
+            ],
+            (17,),
+        ),
+        ([{"do": "copy_pose", "frames": [2, 12]}, {"do": "go", "frame": 7}, {"do": "paste_pose"}],
+         (7, 17)),
+        (
+            [
+                {"do": "copy_pose", "frames": [2, 12]},
+                {"do": "go", "frame": 7},
+                {"do": "paste_pose", "onto_body": True},
+            ],
+            (7, 17),
+        ),
+    ],
+)  # fmt: skip
+def test_a_pose_that_goes_to_another_frame_stands_where_it_stood_in_the_world(
+    messages: list[dict[str, Any]], frames: tuple[int, ...]
+) -> None:
+    state = after(desk(), *messages)
+    for frame in frames:
+        stood = pose_transforms(state.skeleton, cases.pose(0.4))
+        np.testing.assert_allclose(in_world(state.doc, frame), stood, atol=1e-7)
+
+
+def test_a_pose_of_another_film_is_pasted_to_where_it_is_seen() -> None:
+    state = after(desk(frame=12), {"do": "copy_pose"})
+    assert state.clipboard is not None
+    copied = {**json.loads(state.clipboard.text), "film": "another"}
+    pasted = after(replace(state, frame=20), {"do": "paste_pose", "copied": copied})
+    there, here = (shown_pose(one).pose for one in (state, pasted))
+    np.testing.assert_allclose(here.p_camera_root, there.p_camera_root, atol=1e-8)
+
+
+def test_a_point_of_the_roots_curve_that_is_dragged_nowhere_leaves_the_pose() -> None:
+    state = desk(frame=22)
+    root = state.doc.subject.body.parts[0].name
+    shown = angle_curve(state, 0)[22]
+    for axis, deg in zip("xyz", shown, strict=True):
+        message = {"do": "key_angle", "frame": 22, "part": root, "axis": axis, "deg": deg}
+        np.testing.assert_allclose(
+            in_world(after(state, message).doc, 22), in_world(state.doc, 22), atol=1e-9
+        )
+    turned = after(state, {**message, "axis": "y", "deg": shown[1] + 10})
+    assert angle_curve(turned, 0)[22][1] == pytest.approx(shown[1] + 10)
+
+
+def test_every_body_of_a_session_keeps_its_place_in_the_picture() -> None:
+    given = panned.session()
+    other = given.subject.model_copy(update={"id": "other"})
+    both = given.model_copy(update={"bodies": (given.subject, other)})
+    found = found_zooming(both)
+    assert found.bodies[1].keyframes == found.bodies[0].keyframes
+    assert found.bodies[0].keyframes != given.subject.keyframes

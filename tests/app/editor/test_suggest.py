@@ -10,7 +10,10 @@ import numpy as np
 
 from keypose.app.editor.advice import ALL_GOOD, middle, suggestion
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import rotation_from_euler
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
+from keypose.tracker.review.segment_errors import fast_about
+from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 from keypose.tracker.storage.results import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -277,6 +280,18 @@ def test_fast_motion_is_named_where_it_stands_out() -> None:
     quick = replace(quick, trajectory=Trajectory(24, Rs, np.ones((25, 3))))
     found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), quick, needing(48, 72, 0, 60)))
     assert found.detail == "Fast motion 34–39"
+
+
+def test_a_camera_that_is_jerked_is_no_fast_motion_of_the_body() -> None:
+    track = needing(24, 48, 5, 37)
+    jerk = np.cumsum(np.where((np.arange(73) > 34) & (np.arange(73) < 40), 0.1, 0.0))
+    turns = exp_rotation(jerk[:, None] * np.array([0.0, -1.0, 0.0]))
+    path = CameraPath.of(turns, np.zeros((73, 3)), np.ones(73))
+    stays = Trajectory(24, np.tile(np.eye(3), (25, 2, 1, 1)), np.full((25, 3), 2.0))
+    track = replace(track, trajectory=stays.carried(path.between(24, 48).Ts_camera_world))
+    still, moved = (JudgedSegments({track.span: track}, path=one) for one in (None, path))
+    assert fast_about(still.in_world(track), 37) is not None
+    assert fast_about(moved.in_world(track), 37) is None
 
 
 def test_asking_for_what_is_expected_to_be_mended_comes_to_an_end() -> None:

@@ -7,6 +7,7 @@ import io
 import json
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -539,3 +540,23 @@ def test_a_session_saved_before_imports_existed_is_read(path: Path) -> None:
     assert session.settings.initial == "auto"
     save_session(session, path)
     assert load_session(path) == session
+
+
+@pytest.mark.parametrize("keyed", [False, True])
+def test_keypoints_before_a_camera_that_moves_and_zooms_are_met_where_they_are_seen(
+    keyed: bool,
+) -> None:
+    session, seen = _before_a_moving_camera()
+    session = session if keyed else session.changed({"keyframes": ()})
+    keypoints = _keypoints("COCO_17")
+    known = matched(SKELETON, keypoints.names, "a.json")
+    laid, uv = BodyPoints(SKELETON, tuple(known.places)), keypoints.uv.copy()
+    for frame in range(len(TRUTH)):
+        ps = laid.at(pose_transforms(SKELETON, seen.pose(frame)))
+        uv[frame, known.indices] = session.camera_at(frame).project(ps)
+    for draft in _drafts(session, replace(keypoints, uv=uv), [6, 36, 66]):
+        found, truth = draft.keyframe.pose(SKELETON), seen.pose(draft.keyframe.frame)
+        assert draft.miss_px < 1.0
+        assert found.p_camera_root[2] == pytest.approx(truth.p_camera_root[2], rel=0.05)
+        turn = log_rotation(found.Rs_parent_part[0].T @ truth.Rs_parent_part[0])
+        assert np.degrees(np.linalg.norm(turn)) < 15.0

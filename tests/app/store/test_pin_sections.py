@@ -12,6 +12,9 @@ from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.space.result import SpaceResult
@@ -125,3 +128,14 @@ def test_soft_keyframes_and_smoothness_are_reported() -> None:
     assert values["keys"]["soft"] == [24]
     assert values["settings"]["smooth"] is True
     assert reported(desk())["settings"]["smooth"] is False
+
+
+def test_the_print_of_a_sole_lies_in_the_world_that_stands_still_while_the_camera_turns() -> None:
+    still = after(desk(), FOOT)
+    count = still.frame_count
+    turns = exp_rotation(np.linspace(0, 0.4, count)[:, None] * np.array([0.1, -1.0, 0.0]))
+    path = CameraPath.of(turns, np.zeros((count, 3)), np.ones(count))
+    video = still.doc.view.video.model_copy(update={"stands_still": False})
+    doc = still.doc.changed({"camera_motion": CameraMotion.of("turns", path), "video": video})
+    (here,), (turned,) = (reported(edit)["pins"] for edit in (still, still.with_doc(doc)))
+    np.testing.assert_allclose(turned["sole"], np.array(here["sole"]) @ turns[24], atol=2e-4)

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -16,7 +17,9 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.pose import PictureFit, fit_pose_to_picture
 from keypose.tracker.fitting.pose.messages import Moves, describe_moves
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.session.settings import IgnoreMask
@@ -336,3 +339,22 @@ def test_where_nothing_moved_it_says_so() -> None:
     still = np.zeros(2, bool)
     moves = Moves(("chest", "head"), np.array([0.2, 0.4]), np.ones(2), ~still, still)
     assert describe_moves(moves) == "No part moved by more than a pixel."
+
+
+def test_a_camera_that_zoomed_since_the_keyframes_beside_it_shows_the_same_pose(
+    person: Case,
+) -> None:
+    zoom = np.ones(len(person.pictures))
+    zoom[HERE] = 1.2
+    path = CameraPath(np.tile(np.eye(4), (len(zoom), 1, 1)), zoom)
+    camera, pictures = person.camera, person.pictures.copy()
+    K = camera.K.copy()
+    K[:2, :2] *= zoom[HERE]
+    height, width = pictures.shape[1:3]
+    pictures[HERE] = cv2.warpPerspective(
+        pictures[HERE], K @ np.linalg.inv(camera.K), (width, height), flags=cv2.INTER_CUBIC
+    )
+    pose, steady = rough(person, HERE, 1), SteadyCamera.at_one_focal(camera, path)
+    found = fitted(person, pose, pictures=pictures, steady=steady)
+    assert off_px(person, found.pose) < 0.5
+    assert found.way == "neighbours"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from keypose.app.export.import_camera import camera_motion_of
+from keypose.app.export.import_camera import camera_motion_of, with_camera_file
+from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.camera_files import camera_json, chan
 from keypose.tracker.formats.npz import npz
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
@@ -18,6 +20,7 @@ from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import apply_transform, exp_rotation
 from keypose.tracker.storage.archive import archive_arrays
+from tests.tracker import panned_cases as panned
 from tests.tracker.formats import recordings
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.formats.test_camera_files import TILTED
@@ -135,3 +138,57 @@ def test_a_file_of_other_frames_says_which_it_lacks(
     assert [(one.first_frame, one.last_frame) for one in motion.findings] == missing
     assert {one.kind for one in motion.findings} <= {"not_in_file"}
     np.testing.assert_array_equal(motion.path.Ts_camera_world[0], np.eye(4))
+
+
+@pytest.mark.parametrize(("name", "write"), [("shot.json", camera_json), ("shot.chan", chan)])
+@pytest.mark.parametrize("turns", [True, False])
+def test_a_camera_of_some_frames_alone_sees_them_as_it_did(
+    tmp_path: Path, name: str, write: Callable[[Recording], str], turns: bool
+) -> None:
+    whole = path_of()
+    R, p = whole.Ts_camera_world[:, :3, :3], whole.Ts_camera_world[:, :3, 3]
+    path = CameraPath.of(R, p * (not turns), whole.zoom)
+    made = replace(moving(), path=path).between(20, 50)
+    found = read(tmp_path, name, write(made))
+    session = panned.session().changed({"keyframes": ()})
+    film = session.view.video.model_copy(
+        update={"frame_count": FRAMES, "width": made.camera.width, "height": made.camera.height}
+    )
+    session = with_camera_file(session.changed({"video": film, "camera": made.camera}), found, name)
+    motion, there = session.view.camera_motion, session.camera_path
+    assert motion is not None
+    assert there is not None
+    assert motion.kind == ("turns" if turns else "moves")
+    for frame in (20, 35, 50):
+        assert session.camera_at(frame).fy == pytest.approx(path.zoom[frame] * made.camera.fy)
+        seen, was = (
+            one.Ts_camera_world[frame, :3, :3] @ up
+            for one, up in ((there, session.world.up_world), (path, TILTED))
+        )
+        np.testing.assert_allclose(seen, was, atol=1e-5)
+
+
+def test_handles_before_the_film_do_not_count(tmp_path: Path) -> None:
+    lines = [f"{k} 0 0 0 {-10 - 0.1 * k} {0.5 * k} 0 {30 - 0.2 * k}" for k in range(-20, 30)]
+    found = read(tmp_path, "shot.chan", "\n".join(lines))
+    alone = read(tmp_path, "cut.chan", "\n".join(lines[20:]))
+    assert found.way is not None
+    cut = found.from_row(20)
+    np.testing.assert_allclose(cut.up_camera, alone.up_camera, atol=1e-12)
+    assert cut.camera.fy == pytest.approx(alone.camera.fy)
+    assert cut.way is not None
+    assert alone.way is not None
+    np.testing.assert_allclose(cut.way.zoom, alone.way.zoom)
+
+
+def test_a_json_file_at_a_rate_of_its_own_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="a rate of its own"):
+        read(tmp_path, "shot.json", camera_json(at_rate(moving(), 60.0)))
+
+
+@pytest.mark.parametrize("last", ["0 0 0 0 5 0 0.01", "1e300 0 0 0 0 0 30", "0 0 0 0 5 0 179.9999"])
+def test_a_zoom_and_a_way_that_no_camera_has_are_one_sentence(tmp_path: Path, last: str) -> None:
+    found = read(tmp_path, "shot.chan", f"0 0 0 0 0 0 0 30\n1 {last}")
+    assert found.way is not None
+    with pytest.raises(FormatError, match=r"^shot.chan has numbers that no camera has"):
+        camera_motion_of(found.way, FRAMES, "shot.chan")

@@ -10,10 +10,12 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.reduction.compare import _compared_body
 from keypose.tracker.reduction.reduce import reduce_motion
@@ -255,3 +257,40 @@ def test_recorded_motions_come_back_within_2_cm_or_5_px(
         found = reduce_motion(skeleton, camera, motion, tolerance)
         assert len(found.frames) <= most
         require_reproduced(skeleton, camera, motion, found)
+
+
+def test_a_body_that_goes_evenly_through_the_world_needs_no_keyframes_for_a_shake() -> None:
+    skeleton = Skeleton.of(preset("box"))
+    start = Pose.rest(skeleton, (0.0, 0.0, 3.0))
+    end = Pose(start.Rs_parent_part @ exp_rotation((0.0, 0.3, 0.1)), np.array([0.5, 0.1, 3.4]))
+    even = interpolate(start, end, 4, 40)
+    rng = np.random.default_rng(2)
+    turns = exp_rotation(np.cumsum(rng.normal(0, 0.01, (45, 3)), axis=0))
+    path = CameraPath.of(turns, rng.normal(0, 0.02, (45, 3)), 1 + np.arange(45) / 30)
+    seen = even.carried(path.between(4, 40).Ts_camera_world)
+    for tolerance in (Tolerance(1e-4), Tolerance(1.0, 0.05)):
+        found = reduce_motion(skeleton, CAMERA, seen, tolerance, path=path)
+        assert found.frames == (4, 40)
+        assert len(reduce_motion(skeleton, CAMERA, seen, tolerance).frames) > 10
+
+
+def test_misses_in_the_picture_are_as_large_as_the_camera_shows_them_at_each_frame() -> None:
+    skeleton = Skeleton.of(preset("box"))
+    motion = wandering(skeleton, 9, 5, 0.02)
+    path = CameraPath.of(
+        exp_rotation(np.linspace(0, 0.2, 13)[:, None] * np.array([0.2, -1.0, 0.3])),
+        np.linspace(0, 0.1, 13)[:, None] * np.array([1.0, 0.0, 0.5]), np.linspace(1, 2, 13),
+    )  # fmt: skip
+    seen = motion.carried(path.between(4, 12).Ts_camera_world)
+    found = reduce_motion(skeleton, CAMERA, seen, Tolerance(1e6, 1e3), path=path)
+    between = interpolate(motion.pose(4), motion.pose(12), 4, 12)
+    body = _compared_body(skeleton, None)
+    assert found.frames == (4, 12)
+    for frame in range(5, 12):
+        T, camera = path.Ts_camera_world[frame], path.camera_at(CAMERA, frame)
+        uv = []
+        for shown in (between, motion):
+            Ts = T @ pose_transforms(skeleton, shown.pose(frame))
+            uv.append(camera.project(body.points @ Ts[0, :3, :3].T + Ts[0, :3, 3]))
+        px = np.linalg.norm(uv[0] - uv[1], axis=-1).max()
+        assert found.misses[frame - 4] * 1e3 == pytest.approx(px, rel=1e-6)

@@ -151,6 +151,7 @@ def with_row(place: int, value: float) -> str:
         ({"samples": with_row(0, 2.0)}, "not of unit length"),
         ({"samples": with_row(5, np.nan)}, "not finite"),
         ({"samples": with_row(7, 0.0)}, "zoom"),
+        ({"samples": with_row(4, 1e9)}, "farther away"),
         ({"samples": packed(ROWS.ravel()), "error_px": packed(np.ones(3))}, "number of frames"),
         ({"samples": packed(ROWS.ravel()), "kind": "flies"}, "turns"),
         ({"samples": packed(ROWS.ravel()), "pieces": [{"first_frame": 3}]}, "begin at frame 0"),
@@ -204,3 +205,24 @@ def test_a_lens_is_taken_from_the_motion_where_it_is_sure_and_better(
     )
     assert camera.fx == pytest.approx(adopted * panned.CAMERA.fx)
     assert (found is first) == (adopted == 1.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"frame": 0}, "greater than or equal to 1"),
+        ({"R_camera_world_wxyz": [0, 0, 0, 0]}, "not a unit quaternion"),
+        ({"R_camera_world_wxyz": [2, 0, 0, 0]}, "not a unit quaternion"),
+        ({"zoom": 0.0}, "greater than or equal to 0.001"),
+        ({"p_camera_world": [0, 0, float("nan")]}, "finite"),
+    ],
+)
+def test_a_correction_that_no_camera_has_is_refused_in_a_sentence(
+    changed: dict[str, Any], words: str
+) -> None:
+    data = panned.panned().model_dump(mode="json")
+    key = {"frame": 5, "R_camera_world_wxyz": [1, 0, 0, 0]}
+    data["views"][0]["camera_keyframes"] = [{**key, **changed}]
+    with pytest.raises(ValidationError) as refused:
+        Session.model_validate(data)
+    assert words in one_sentence(refused.value)

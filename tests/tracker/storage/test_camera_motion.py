@@ -12,9 +12,12 @@ from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.geometry.rotations import exp_rotation, transform
 from keypose.tracker.session import Session
-from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
-from keypose.tracker.storage.camera_motion import background_picture, with_scale
+from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion, CameraPiece
+from keypose.tracker.session.references import Repeats
+from keypose.tracker.storage.camera_motion import FoundCamera, background_picture, with_scale
 from keypose.tracker.storage.fingerprints import Span, segment_keys
+from keypose.tracker.storage.space import solved
+from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.tracking.result import SegmentResult
@@ -73,6 +76,45 @@ def test_a_piece_over_which_nothing_is_tracked_has_none_and_one_that_is_known_ke
     assert lengths(with_scale(session, fitting)) == [1.75, pytest.approx(UNITS[1], rel=0.01)]
 
 
+def test_a_camera_that_was_corrected_before_its_scale_was_known_stays_on_its_way() -> None:
+    session, fitting = carried((None, None))
+    assert session.camera_path is not None
+    keys = []
+    for frame in (20, 60):
+        T = session.camera_path.Ts_camera_world[frame].copy()
+        T[:3] = exp_rotation(np.array([0.0, 0.0, 0.05])) @ T[:3]
+        keys.append(CameraKeyframe.of(frame, T, 1.0))
+    corrected = with_scale(session.changed({"camera_keyframes": tuple(keys)}), fitting)
+    path, found = corrected.camera_path, with_scale(session, fitting).camera_path
+    assert path is not None
+    assert found is not None
+    turned = exp_rotation(np.array([0.0, 0.0, 0.05]))
+    for frame in (20, 60):
+        R = turned @ session.camera_path.Ts_camera_world[frame, :3, :3]
+        np.testing.assert_allclose(path.Ts_camera_world[frame, :3, :3], R, atol=1e-9)
+    places, untouched = (one.Ts_world_camera[:, :3, 3] for one in (path, found))
+    np.testing.assert_allclose(places[20], untouched[20], atol=1e-9)
+    # what is turned from a frame on goes on in another direction, as far as before
+    lengths = [np.linalg.norm(np.diff(one, axis=0), axis=1) for one in (places, untouched)]
+    assert np.abs(lengths[0] - lengths[1]).max() < 0.1 * lengths[1].max()
+
+
+def test_a_camera_that_is_found_again_keeps_how_a_person_turned_it_and_goes_its_new_way() -> None:
+    session, _ = carried(UNITS)
+    assert session.camera_path is not None
+    T = session.camera_path.Ts_camera_world[20].copy()
+    T[:3] = exp_rotation(np.array([0.0, 0.0, 0.05])) @ T[:3]
+    session = session.changed({"camera_keyframes": (CameraKeyframe.of(20, T, 1.0),)})
+    anew = carried((None, None))[0].view.camera_motion
+    again = FoundCamera("moves", anew, None, (), None).applied(session)
+    assert again.camera_path is not None
+    here = again.camera_path.Ts_camera_world[20]
+    np.testing.assert_allclose(here[:3, :3], T[:3, :3], atol=1e-9)
+    np.testing.assert_allclose(here[:3, 3], 0.0, atol=1e-9)  # its way has no scale yet
+    still = FoundCamera("static", None, None, (), None).applied(session)
+    assert still.view.camera_keyframes == ()
+
+
 def test_the_background_of_a_pan_is_one_picture_wider_than_the_film(tmp_path: Path) -> None:
     panned.write(tmp_path)
     with Video.open(tmp_path / "film") as video:
@@ -97,3 +139,30 @@ def test_a_thing_before_a_pan_is_tracked_with_its_background(tmp_path: Path) -> 
         for frame in segment.span:
             place = segment.trajectory.pose(frame).p_camera_root
             np.testing.assert_allclose(place, at[frame].root_m, atol=1e-9)
+
+
+@pytest.mark.parametrize("even", [True, False])
+def test_pictures_that_are_repeated_before_a_pan_leave_what_stands_where_it_stands(
+    even: bool,
+) -> None:
+    shown, _ = walk()
+    copies = tuple(range(4, COUNT - 1, 5))
+    copies = tuple(frame for frame in copies if frame not in KEYS)
+    moment = np.arange(COUNT)
+    moment[list(copies)] -= 1
+    turns = exp_rotation(np.radians(1.0) * moment[:, None] * np.array([0.0, -1.0, 0.0]))
+    path = CameraPath.of(turns, np.zeros((COUNT, 3)), np.ones(COUNT))
+    pose = shown.truth.pose(0)
+    stays = Trajectory(
+        0,
+        np.repeat(pose.Rs_parent_part[None], COUNT, 0),
+        np.repeat(pose.p_camera_root[None], COUNT, 0),
+    )
+    motion = stays.carried(path.Ts_camera_world)
+    session = session_of(shown, motion, camera_motion=CameraMotion.of("turns", path))
+    video = session.view.video.model_copy(update={"repeats": Repeats(frames=copies, even=even)})
+    session = session.changed({"video": video})
+    (stretch,) = stretches(session, tracked(session, motion))
+    found = session.in_world(solved(session, stretch).motion)
+    away = np.linalg.norm(found.ps_camera_root - pose.p_camera_root, axis=1)
+    assert away.max() < 1e-3

@@ -11,7 +11,10 @@ import numpy as np
 import pytest
 
 from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session import IgnoreMask, Keyframe, Session
+from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.references import Surface
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
@@ -349,3 +352,16 @@ def test_objects_and_compressed_entries_are_refused() -> None:
 def test_the_bytes_hold_no_clock() -> None:
     with zipfile.ZipFile(io.BytesIO(archive_bytes({"a": np.zeros(3)}))) as archive:
         assert [entry.date_time for entry in archive.infolist()] == [(1980, 1, 1, 0, 0, 0)]
+
+
+def test_a_motion_that_another_camera_outdates_says_that_it_may_be_the_camera(
+    tmp_path: Path,
+) -> None:
+    session, path = keyed(tmp_path)
+    motion, count = load_trajectory(session, path), session.view.video.frame_count
+    turns = exp_rotation(np.linspace(0, 0.1, count)[:, None] * np.array([0.0, 1.0, 0.0]))
+    panned = CameraPath.of(turns, np.zeros((count, 3)), np.ones(count))
+    turned = session.changed({"camera_motion": CameraMotion.of("turns", panned)})
+    assert outdated_words(turned, motion) == (
+        "the tracked motion is out of date (settings or the camera's motion have changed)."
+    )

@@ -20,6 +20,7 @@ from keypose.tracker.fitting.pose.outline import Outline, separation
 from keypose.tracker.fitting.pose.refinement import PosedKeyframe, refine
 from keypose.tracker.fitting.pose.texture import Texture, TextureMatch, texture_of, without_parts
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video import Video
@@ -54,11 +55,11 @@ class FitInputs:
     @classmethod
     def of(
         cls, video: Video, camera: Camera, skeleton: Skeleton, frame: int, pose: Pose,
-        masks: Sequence[IgnoreMask],
+        masks: Sequence[IgnoreMask], steady: SteadyCamera | None = None,
     ) -> FitInputs:  # fmt: skip
         """Load one frame."""
         size = WorkingSize.for_camera(camera, AT_ONCE)
-        loader = ClipLoader(video, camera, size, masks)
+        loader = ClipLoader(video, camera, size, masks, steady=steady)
         scene = Scene.of(skeleton, size.camera(camera), [pose])
         pictures = _pictures(loader, frame)
         keyframe = PosedKeyframe(scene, pose, Limits.of(skeleton.body))
@@ -86,7 +87,7 @@ class FitInputs:
 def _colours(loader: ClipLoader, frame: int) -> NDArray[np.uint8] | None:
     """A frame in colour at the working size, or None where it is missing or damaged."""
     (_, rgb), *_ = loader.video.sound_frames(frame, frame + 1)
-    return None if rgb is None else loader.size.picture(loader.camera.rectify(rgb))
+    return None if rgb is None else loader.working(rgb, frame)
 
 
 def _pictures(loader: ClipLoader, frame: int) -> list[Picture]:

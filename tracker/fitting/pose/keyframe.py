@@ -39,6 +39,7 @@ from keypose.tracker.fitting.pose.refinement import (
 from keypose.tracker.fitting.pose.texture import Texture, TextureMatch, visible_points
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.solver.least_squares import EXACT, least_squares
 from keypose.tracker.solver.one_pose import OnePose
@@ -150,17 +151,19 @@ def fit_pose_to_picture(
     masks: Sequence[IgnoreMask] = (),
     cancelled: Callable[[], bool] = never,
     source: FrameSource | None = None,
+    steady: SteadyCamera | None = None,
 ) -> PictureFit:
     """The pose of `frame` fitted to what the picture shows.
 
     keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none; source: of
-    keypoints, where the body is a person's. The pose is unchanged, and the message says why, where
-    nothing decides it or where it is cancelled.
+    keypoints, where the body is a person's; steady: the camera at one focal length, of one that
+    zooms, as which the source sees. The pose is unchanged, and the message says why, where nothing
+    decides it or where it is cancelled.
     """
     unchanged = _unchanged(skeleton, pose)
     if not skeleton.dof_count:
         return unchanged("No motion of this body is tracked. Pose unchanged.")
-    inputs = FitInputs.of(video, camera, skeleton, frame, pose, masks)
+    inputs = FitInputs.of(video, camera, skeleton, frame, pose, masks, steady)
     if not (inputs.pictures[0][..., 3] != IGNORED).any():
         return unchanged("Nothing of this frame may be used. Pose unchanged.")
     near = keyframes_near(inputs, keyposes)
@@ -345,7 +348,9 @@ def _moved_px(inputs: FitInputs, pose: Pose) -> Array:
     parts, size = scene.marks[1], scene.skeleton.part_count
     total = np.bincount(parts, weights=px, minlength=size)
     mean = total / np.bincount(parts, minlength=size)
-    return np.asarray(mean * 2.0**inputs.loader.size.halvings)
+    steady = inputs.loader.steady
+    zoom = 1.0 if steady is None else float(steady.zoom[inputs.frame])
+    return np.asarray(mean * zoom * 2.0**inputs.loader.size.halvings)
 
 
 def _hidden_parts(inputs: FitInputs, pose: Pose) -> NDArray[np.bool_]:
