@@ -42,7 +42,7 @@ def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namesp
         share, sigma = found.focal
         focal = after.view.camera.focal_mm
         print(
-            f"Its turns tell a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the session "
+            f"Its turns suggest a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the session "
             f"has {focal:.1f} mm."
         )
     print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
