@@ -59,8 +59,8 @@ def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namesp
         share, sigma = found.focal
         focal = after.view.camera.focal_mm
         print(
-            f"Its turns tell a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the session "
-            f"has {focal:.1f} mm."
+            f"Its turns suggest a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the "
+            f"session has {focal:.1f} mm."
         )
     print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
 

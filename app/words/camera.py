@@ -17,7 +17,7 @@ _FINDINGS: Final = {
     "there.",
     "body_fills": "{frames}: too little background is seen beside the body. The camera is bridged "
     "there.",
-    "cut": "Frame {first}: another scene begins. What is before and after it has no common world.",
+    "cut": "{frames}: another scene begins. What is before and after it has no common world.",
     "not_rigid": "{frames}: the background moves by itself, as water or a crowd does. Mask what "
     "moves, and find the camera again.",
     "no_picture": "{frames}: the pictures cannot be read. The camera is bridged there.",
@@ -28,9 +28,8 @@ _FINDINGS: Final = {
     "not_in_file": "{frames}: the imported file does not have them. The camera is bridged there.",
     "no_parallax": "{frames}: nothing shows that the camera went anywhere. It is taken to turn "
     "alone.",
-    "no_scale": "{frames}: how far the camera went is known but for its scale, so it is taken to "
-    "turn alone. Track the body, and stand it on the floor or find the camera again: feet that "
-    "stand still tell the scale.",
+    "no_scale": "{frames}: the scale of the camera's path is not known yet, so it is taken to turn "
+    "alone. Track the body and stand it on the floor: feet that stand still give the scale.",
 }
 
 
@@ -45,20 +44,24 @@ def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
 
 
 def lens_sentence(focal_mm: float) -> str:
-    """Say which lens the camera's motion told, in place of a guess."""
-    return f"Its motion tells a lens of {focal_mm:.0f} mm, which was a guess before."
+    """Say which lens the camera's motion gave, in place of a guess."""
+    return f"The lens is set to {focal_mm:.0f} mm by how the camera moves: it was a guess before."
 
 
-def finding_sentence(found: CameraFinding) -> str:
-    """Say what is not known of a camera's motion."""
-    first, last = found.first_frame, found.last_frame
-    frames = f"Frames {first}–{last}" if last > first else f"Frame {first}"
-    kind: str = found.kind
-    if kind == "rolling_shutter" and not found.amount:
+def finding_sentence(*found: CameraFinding) -> str:
+    """Say what is not known of a camera's motion. found: all of one kind."""
+    spans = [(one.first_frame, one.last_frame) for one in found]
+    several = len(found) > 1 or spans[0][1] > spans[0][0]
+    frames = ", ".join(f"{first}–{last}" if last > first else f"{first}" for first, last in spans)
+    kind: str = found[0].kind
+    if kind == "rolling_shutter" and not found[0].amount:
         kind = "rolling_shutter_left"
-    return _FINDINGS[kind].format(frames=frames, first=first, amount=found.amount)
+    return _FINDINGS[kind].format(
+        frames=f"{'Frames' if several else 'Frame'} {frames}", amount=found[0].amount
+    )
 
 
 def finding_sentences(found: Sequence[CameraFinding]) -> list[str]:
-    """All of them, those of a cut first."""
-    return [finding_sentence(one) for one in sorted(found, key=lambda one: one.kind != "cut")]
+    """One for every kind, that of cuts first."""
+    kinds = sorted(dict.fromkeys(one.kind for one in found), key=lambda kind: kind != "cut")
+    return [finding_sentence(*(one for one in found if one.kind == kind)) for kind in kinds]

@@ -80,6 +80,9 @@ export function whyNotCameraHorizon() {
   return whyNotMatchCamera() || (isUpKnown() ? '' : 'Say what is up first: draw the horizon');
 }
 
+/** What is not known of it, or not as surely. @returns {CameraFinding[]} */
+export const cameraFindings = () => motion()?.findings ?? [];
+
 /** Whether it is about some frames, not about the film. @param {CameraFinding} found */
 export const hasFrames = ({ kind }) => !OF_ALL_FRAMES.includes(kind);
 

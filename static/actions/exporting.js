@@ -141,6 +141,7 @@ export function usualExport() {
   const values = Object.fromEntries(Object.entries(EXPORTS).map(([what, options]) => [what, usualOf(options)]));
   for (const what of ['film', 'motion']) values[what].frames = motionFrames().join('-');
   values.matte.frames = (chosenFrames() ?? [0, lastFrame()]).join('-');
+  for (const what of ['film', 'pictures']) values[what].view = viewShown();
   for (const what of ['film', 'pictures', 'sheet']) values[what].style = server.view?.mode ?? 'both';
   if (ui.filterMotion) values.motion.filter_hz = String(FILTER_HZ);
   return { what: 'film', format: 'all', values };

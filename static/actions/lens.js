@@ -87,7 +87,7 @@ export function sourceWords() {
   if (isGuess) return `A guess. Distances rest on it: ± ${Math.round(100 * share)} %.`;
   const words = {
     file: `From the file: ${fileWords()}`, person: 'As you set it.', calibration: 'From a calibration.',
-    fitted: 'Fitted to the keyframes.', turns: 'Told by how the camera moves.',
+    fitted: 'Fitted to the keyframes.', turns: 'Estimated from how the camera moves.',
   };
   return words[source] ?? '';
 }

@@ -3,7 +3,7 @@
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform, whyNot } from '../actions/actions.js';
-import { cameraKind, cameraWords, isFindingCamera } from '../actions/camera.js';
+import { cameraFindings, cameraKind, cameraWords, hasFrames, isFindingCamera } from '../actions/camera.js';
 import { draftTimeWords, placesWords, smallWords } from '../actions/drafting.js';
 import {
   addForStabiliser, chooseKind, degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, keepLens,
@@ -197,7 +197,7 @@ const IN_FILM = [
     again: true,
     content: cameraLine,
     get choices() {
-      return cameraKind() === null ? [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }] : undefined;
+      return cameraKind() === null && !isFindingCamera() ? [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }] : undefined;
     },
     next: () => (cameraKind() !== null || isFindingCamera() ? null : { label: 'Find its motion', act: () => perform('findCamera') }),
   },
@@ -239,7 +239,9 @@ function doesCameraMove() {
 function cameraLine() {
   if (isFindingCamera()) return html`<p class="num">${server.job.words || `${server.job.title}, ${Math.round(server.job.percent ?? 0)} %`}</p>`;
   if (cameraKind() === null) return nothing;
-  return html`<div class="row filesays good">${icon('check')}<span>${cameraWords()}</span></div>`;
+  const found = cameraFindings().find(hasFrames);
+  return html`<div class="row filesays ${found ? 'warned' : 'good'}">${icon(found ? 'warn' : 'check')}
+    <span>${found?.words ?? cameraWords()}</span></div>`;
 }
 
 const isDrafting = () => server.job?.state === 'running' && server.job.kind === 'draft';

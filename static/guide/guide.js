@@ -210,7 +210,8 @@ const wasClosed = () => timesClosed() >= CLOSES_BEFORE_NOT_OFFERED;
 function coach() {
   const step = currentStep();
   const { title, text, choices, content } = step ?? ending();
-  return html`<div class="coach ${step?.beside ? 'large' : step?.done ? 'film' : ''}" role="dialog" aria-label="Guide" @pointerdown=${lift}>
+  const kind = step?.beside ? 'large' : steps()[0].done ? 'film' : '';
+  return html`<div class="coach ${kind}" role="dialog" aria-label="Guide" @pointerdown=${lift}>
     <div class="steps">${steps().map(bar)}</div>
     <h3 aria-level="2">${title}</h3>
     <p>${text}</p>

@@ -1,6 +1,7 @@
 // What floats over the pictures gives way to what is under it. Where a handle lies under a bar or a
 // message there is a hole, in which it is seen and can be grabbed; messages first look for a place
-// without one. Cards that ask for something else than a drag stay whole.
+// without one. Cards that ask for something else than a drag stay whole, and so do all while
+// something is drawn: no handle can be grabbed then.
 
 import { onRedraw, server, ui } from '../store/state.js';
 import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
@@ -10,6 +11,7 @@ import { interaction, onInteraction } from './interaction.js';
 import { keypointsIn } from './keypoints.js';
 import { largeView } from './scale.js';
 import { sizesIn } from './sizes.js';
+import { isDrawingTool } from './sketch.js';
 import { distance } from './space.js';
 import { isReady } from './targets.js';
 
@@ -67,7 +69,7 @@ export function mountFloating() {
 }
 
 function giveWay() {
-  const spots = ui.playing ? [] : handlesInWindow();
+  const spots = ui.playing || isDrawingTool(ui.tool) ? [] : handlesInWindow();
   placeMessages(spots);
   for (const element of document.querySelectorAll(FLOATING)) {
     cutHoles(/** @type {HTMLElement} */ (element), element.matches(WHOLE) ? [] : spots);

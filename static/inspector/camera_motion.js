@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionBox, actionButton } from '../actions/buttons.js';
 import {
-  cameraKeys, cameraKind, cameraWords, hasFrames, isCameraUnknown, isFindingCamera, motion, visitFinding,
+  cameraFindings, cameraKeys, cameraKind, cameraWords, hasFrames, isCameraUnknown, isFindingCamera, motion, visitFinding,
 } from '../actions/camera.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { iconButton, segmented } from '../controls/fields.js';
@@ -63,7 +63,7 @@ const sign = (kind) => html`<svg class=${`bgsign ${kind}`} viewBox="-5 -5 10 10"
 
 /** What is not known of it, or not as surely. */
 function doubts() {
-  const found = motion()?.findings ?? [];
+  const found = cameraFindings();
   if (!found.length) return nothing;
   return html`<ul class="doubts" aria-label="What is doubtful of the camera’s motion">${found.map(doubt)}</ul>
     ${found.some(({ kind }) => kind === 'not_rigid') ? drawMask() : nothing}`;

@@ -248,9 +248,8 @@ function zoomHere() {
   return zoom[nearest];
 }
 
-/** "26 mm · frame 50": the lens as one of a film of 36 by 24 mm. */
+/** "26 mm · frame 50": the lens as the Camera tab says it. */
 export function filmWords() {
-  const { width, height, fx, origin } = server.camera;
-  const mm = Math.round((43.27 * fx) / Math.hypot(width, height));
-  return `${origin === 'guess' ? '≈ ' : ''}${mm} mm · frame ${ui.shown ?? server.view.frame}`;
+  const { focal_mm: mm, lens_is_guess: isGuess } = server.camera;
+  return `${isGuess ? '≈ ' : ''}${Math.round(mm)} mm · frame ${ui.shown ?? server.view.frame}`;
 }

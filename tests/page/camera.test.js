@@ -63,6 +63,14 @@ test('the guide asks for the camera only where it was found to move', () => {
   }
 });
 
+test('the camera’s step of the guide can be skipped once, not by two buttons while it is being found', () => {
+  server.settings = { static_camera: null, found_still: false };
+  const step = filmSteps().find(({ word }) => word === 'Camera');
+  assert.deepEqual([step.choices.map(({ label }) => label), step.next().label], [['Skip'], 'Find its motion']);
+  server.job = { state: 'running', kind: 'camera' };
+  assert.deepEqual([step.choices, step.next()], [undefined, null]);
+});
+
 const view = { toView: (at) => at, fromView: (at) => at };
 
 function click(x, y) {

@@ -27,6 +27,13 @@ test('a film has the frames, the size and the rate that were chosen', () => {
   assert.deepEqual([order.size, order.fps, order.view, order.style], ['1280x720', '25', 'orbit', 'wire']);
 });
 
+test('a film or images are first of the view in the large place', () => {
+  for (const layout of ['free', 'side', 'main']) {
+    setUi('layout', layout);
+    assert.deepEqual(['film', 'pictures'].map((what) => usualExport().values[what].view), [layout, layout]);
+  }
+});
+
 test('the free view is a camera that stands where it looks from', () => {
   assert.match(exportOrder(chosen('film', { view: 'free' }), { azimuth: 30, elevation: 10 }).view, /^camera:30.00,10.00$/);
 });

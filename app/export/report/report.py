@@ -25,6 +25,7 @@ from keypose.app.export.report.tables import (
 )
 from keypose.app.posing.labels import number_text
 from keypose.app.render.studio import ViewStyle
+from keypose.app.words.camera import camera_sentence
 from keypose.app.words.review import answers_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.review.segments import JudgedSegments
@@ -220,6 +221,8 @@ def _facts(subject: Subject) -> list[str]:
             f"{clip.frame_count} frames, {number_text(seconds, 2)} s",
             f"{about}{number_text(rate, 2)} frames/s",
         ]
+    if session.camera_path is not None and (motion := session.view.camera_motion) is not None:
+        facts.append(camera_sentence(motion.kind, motion.path.zooms, None).rstrip(".").lower())
     facts.append(f"body {body.name.replace('_', ' ')}, {len(body.parts)} parts")
     if session.subject.results is not None:
         facts.append(words.way(session, session.subject.results))

@@ -3,7 +3,7 @@
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { menuItem } from '../../actions/buttons.js';
-import { cameraKeys, hasFrames, isCameraKey, motion, visitFinding } from '../../actions/camera.js';
+import { cameraFindings, cameraKeys, hasFrames, isCameraKey, motion, visitFinding } from '../../actions/camera.js';
 import { goTo, settle, stopPlaying } from '../../actions/playhead.js';
 import { shortNumber } from '../../controls/arithmetic.js';
 import { heading, openMenuAt } from '../../controls/menu.js';
@@ -22,7 +22,7 @@ const LEAST_TOP_PX = 0.5;
 const LEAST_RANGE_PX = 4;
 
 const errors = () => motion()?.error_px ?? [];
-const found = () => (motion()?.findings ?? []).filter(hasFrames);
+const found = () => cameraFindings().filter(hasFrames);
 
 /** What the top of the row stands for, pixels. */
 const topOf = memoize((list) => Math.max(LEAST_TOP_PX, extent(numbers(list))?.high ?? 0));

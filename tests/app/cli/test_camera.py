@@ -11,7 +11,9 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import locked
+from keypose.app.words.camera import finding_sentences
 from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.session.camera_motion import CameraFinding
 from keypose.tracker.storage.camera_motion import points_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import segment_keys
@@ -84,6 +86,15 @@ def test_a_batch_finds_it_where_the_session_says_so(path: Path) -> None:
     assert load_session(path).camera_path is not None
 
 
+def test_what_is_doubtful_in_several_stretches_is_said_once_and_cuts_first() -> None:
+    moving, cut = "not_rigid", "cut"
+    kinds = ((moving, 24, 26), (moving, 40, 40), (cut, 60, 60))
+    found = [CameraFinding(kind=k, first_frame=a, last_frame=b) for k, a, b in kinds]
+    one, other = finding_sentences(found)
+    assert one.startswith("Frame 60: another scene")
+    assert other.startswith("Frames 24–26, 40: the background moves")
+
+
 @pytest.mark.parametrize("share", [0.6, 0.8, 1.4])
 def test_a_lens_that_was_a_guess_is_told_by_the_turns_and_the_body_is_seen_as_before(
     path: Path, share: float, capsys: pytest.CaptureFixture[str]
@@ -92,7 +103,7 @@ def test_a_lens_that_was_a_guess_is_told_by_the_turns_and_the_body_is_seen_as_be
     before = load_session(path).changed({"camera": guess, "lens_source": "guess"})
     save_session(before, path)
     assert main(["camera", str(path)]) == 0
-    assert "Its motion tells a lens of" in capsys.readouterr().out
+    assert "The lens is set to" in capsys.readouterr().out
     after = load_session(path)
     assert after.view.camera.fx == pytest.approx(panned.CAMERA.fx, rel=0.02)
     assert after.view.lens_source == "turns"
