@@ -98,8 +98,8 @@ def test_a_camera_that_moves_is_taken_over_and_what_the_file_lacks_is_said(
     assert main(["import", str(path), str(file), "--camera"]) == 0
     words = capsys.readouterr().out
     assert "The camera moves over 3 frames of the file." in words
-    assert "Frames 0–1: the imported file does not have them." in words
-    assert "Frame 3: the imported file does not have them." in words
+    assert "Frames 0–1, 3, 6–" in words
+    assert words.count("the imported file does not have them.") == 1
     found = load_session(path).camera_path
     assert found is not None
     places = found.Ts_world_camera[:6, :3, 3]
