@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,9 @@ class Scene:
     visibility: Visibility
     pixel_m: float
     marks: tuple[Array, NDArray[np.int64]]
+    _of_trajectories: WeakKeyDictionary[Trajectory, dict[str, Array]] = field(
+        default_factory=WeakKeyDictionary
+    )
 
     @classmethod
     def of(
@@ -105,16 +109,38 @@ class Scene:
         )  # fmt: skip
         return np.diff(starts)
 
+    @property
+    def followed(self) -> tuple[Hashable, ...]:
+        """What decides how a body is followed, but for pictures and poses."""
+        least = self.arrays.least.tobytes()
+        return self.skeleton, self.points, self.lens, self.visibility, self.pixel_m, least
+
+    def transforms(self, trajectory: Trajectory) -> Array:
+        """Ts_camera_part (N, P, 4, 4)."""
+        return self._kept(trajectory, "T", lambda: trajectory.transforms(self.skeleton))
+
     def mark_pixels(self, trajectory: Trajectory) -> Array:
         """Return where the marks of every pose are seen: (N, M, 2) pixels."""
-        points, parts = self.marks
-        T = trajectory.transforms(self.skeleton)[:, parts]
-        p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
-        return self.camera.project(p_camera)
+
+        def seen() -> Array:
+            points, parts = self.marks
+            T = self.transforms(trajectory)[:, parts]
+            p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
+            return self.camera.project(p_camera)
+
+        return self._kept(trajectory, "uv", seen)
+
+    def _kept(self, trajectory: Trajectory, what: str, find: Callable[[], Array]) -> Array:
+        """Return what was found of a trajectory before, while that is in use."""
+        known = self._of_trajectories.setdefault(trajectory, {})
+        if what not in known:
+            known[what] = find()
+            known[what].setflags(write=False)
+        return known[what]
 
     def point_pixels(self, trajectory: Trajectory, part: int, p_part: Array) -> Array:
         """Return where a point of a part is seen in every pose: (N, 2) pixels."""
-        T = trajectory.transforms(self.skeleton)[:, part]
+        T = self.transforms(trajectory)[:, part]
         return self.camera.project(T[:, :3, :3] @ p_part + T[:, :3, 3])
 
     def prior(self, stride: int) -> Prior:

@@ -55,7 +55,7 @@ class Segment:
 
 def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
     """Return whether every joint of a trajectory lies before the camera, and not too far away."""
-    z = trajectory.transforms(scene.skeleton)[..., 2, 3]
+    z = scene.transforms(trajectory)[..., 2, 3]
     far = FURTHEST * max(segment.start.p_camera_root[2], segment.end.p_camera_root[2])
     return bool(np.isfinite(z).all() and z.min() > NEAREST_M and z.max() < far)
 

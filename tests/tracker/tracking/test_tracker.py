@@ -18,6 +18,7 @@ from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage import tracking
 from keypose.tracker.storage.files import load_session, open_video_of
+from keypose.tracker.tracking.initial import chains
 from keypose.tracker.tracking.pool import (
     PassFinished,
     Progress,
@@ -160,6 +161,32 @@ def test_a_changed_keyframe_changes_its_two_segments_and_no_other(person: Case) 
     after = tracked(tracker)
     equal = [same(a, b) for a, b in zip(before, after, strict=True)]
     assert equal == [False, False, True, True]
+
+
+def test_while_a_keyframe_is_moved_the_body_is_not_followed_anew_from_those_beside_it(
+    person: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tracker, followed = person.tracker(0, 6, 12), list[tuple[int, int]]()
+
+    def follow(scene: Any, clip: Any, start: Pose, first: int, last: int, *how: Any) -> Any:
+        followed.append((first, last))
+        return really_follow(scene, clip, start, first, last, *how)
+
+    really_follow = chains._follow
+    monkeypatch.setattr(chains, "_follow", follow)
+    tracked(tracker)
+    assert sorted(followed) == [(0, 6), (6, 0), (6, 12), (12, 6)]
+    moved = nudged(person.truth.pose(6))
+    for _ in range(2):
+        followed.clear()
+        tracker.move_keyframe(6, moved)
+        after = tracked(tracker)
+        moved = nudged(moved)
+    assert sorted(followed) == [(6, 0), (6, 12)]
+    fresh = person.tracker(0, 6, 12)
+    fresh.move_keyframe(6, nudged(nudged(person.truth.pose(6))))
+    for mine, other in zip(after, tracked(fresh), strict=True):
+        assert same(mine, other)
 
 
 def test_a_renewed_tracker_finds_what_a_fresh_one_finds_with_the_same_pictures(

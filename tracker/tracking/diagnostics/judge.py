@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Final
 
 import numpy as np
 
@@ -24,9 +25,11 @@ from keypose.tracker.tracking.diagnostics.expected_gain import expected_gain
 from keypose.tracker.tracking.diagnostics.observability import Observation, observe, unobserved
 from keypose.tracker.tracking.drift import closing_error
 from keypose.tracker.tracking.method import Method, Paper
+from keypose.tracker.tracking.per_clip import PerClip
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, extent_px
+from keypose.tracker.video.pyramid import Clip
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
@@ -79,10 +82,15 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
 
 def _is_noise(segment: Segment) -> bool:
     """Return whether the pictures, in the median, show nothing but black or noise."""
-    clip = segment.clip
-    frames = [
-        n for n in range(segment.first_frame, segment.last_frame + 1) if n not in clip.damaged
-    ]
+    frames = segment.first_frame, segment.last_frame
+    return _NOISE.get(segment.clip, frames, lambda: _show_noise(segment.clip, *frames))
+
+
+_NOISE: Final[PerClip[bool]] = PerClip(most=8)
+
+
+def _show_noise(clip: Clip, first: int, last: int) -> bool:
+    frames = [n for n in range(first, last + 1) if n not in clip.damaged]
     if not clip.levels or len(frames) < 2:
         return False
     grey = clip.levels[-1][np.array(frames) - clip.first_frame, ..., 0].astype(np.float64)

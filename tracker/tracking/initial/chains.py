@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from keypose.tracker.kernels.pairs import follow_chain
 from keypose.tracker.solver.sigmas import DOUBT_FLOOR, TRUSTED
 from keypose.tracker.tracking.drift import Doubt, Motions, correct_drift
 from keypose.tracker.tracking.method import Keypose
+from keypose.tracker.tracking.per_clip import PerClip
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, is_sound
 from keypose.tracker.video.pyramid import Clip
@@ -55,8 +56,28 @@ def follow(
     """Follow the body from `start`, posed at frame `first`, to `last`, which may lie before it.
 
     Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The
-    chain is in frame order.
+    chain is in frame order; the latest of each clip are kept.
     """
+    how = (first, last, stride, inner, stop, finest)
+    pose = start.Rs_parent_part.tobytes() + start.p_camera_root.tobytes()
+    return _CHAINS.get(clip, (scene.followed, pose, how), lambda: _follow(scene, clip, start, *how))
+
+
+_CHAINS: Final[PerClip[Chain]] = PerClip(most=8)
+"""Of both qualities those from the far keyframe stay while the near one is moved."""
+
+
+def _follow(
+    scene: Scene,
+    clip: Clip,
+    start: Pose,
+    first: int,
+    last: int,
+    stride: int,
+    inner: int,
+    stop: float,
+    finest: int,
+) -> Chain:
     forward = last > first
     slots = clip.slots(min(first, last), max(first, last))
     R, t = _empty(scene, len(slots))

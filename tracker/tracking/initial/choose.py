@@ -50,8 +50,9 @@ def starts(scene: Scene, segment: Segment, method: Keypose) -> Starts:
     ways, notes = [interpolated], [CHAIN_LOST]
     if chains is not None:
         both = Pass("both ways", blend_chains(scene, *chains), None)
-        in_doubt = _is_doubtful(scene, chains, interpolated.trajectory, both.trajectory)
-        ways, notes = [both, interpolated] if in_doubt and method.judged else [both], []
+        ways, notes = [both], []
+        if method.judged and _is_doubtful(scene, chains, interpolated.trajectory, both.trajectory):
+            ways += [interpolated]
     found = [_by_templates(scene, segment, method, chains, ways[0].trajectory)]
     found += [_imported(scene, segment, method)]
     for start in found:
