@@ -79,10 +79,12 @@ def track_anchored(
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     several where left and right are in doubt.  begun: starts from brightness; None where it does
         not count.
-    reach_far: unless the starts are about right already, and keypoints need not reach far.
+    reach_far: unless the starts are about right already, and keypoints need not reach far; nor
+        need they where the body was followed from both keyframes.
     """
     brightness = begun is not None
     begun = begun or Starts(())
+    reach_far = reach_far and begun.chains is None
     tried: list[Pass] = []
     ends: list[Candidate] = []
     scale = 1.0
