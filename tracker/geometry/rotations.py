@@ -84,16 +84,16 @@ def quaternion_wxyz(rotation: ArrayLike) -> Array:
     4 q qᵀ is linear in the matrix; its row with the largest diagonal gives q without cancellation.
     """
     R = np.asarray(rotation, dtype=np.float64)
+    Q = np.empty((*R.shape[:-2], 4, 4))
     xx, yy, zz = (R[..., i, i] for i in range(3))
-    wx, wy, wz = (R[..., i, k] - R[..., k, i] for i, k in ((2, 1), (0, 2), (1, 0)))
-    xy, xz, yz = (R[..., i, k] + R[..., k, i] for i, k in ((0, 1), (0, 2), (1, 2)))
-    rows = [
-        [1 + xx + yy + zz, wx, wy, wz],
-        [wx, 1 + xx - yy - zz, xy, xz],
-        [wy, xy, 1 - xx + yy - zz, yz],
-        [wz, xz, yz, 1 - xx - yy + zz],
-    ]
-    Q = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    Q[..., 0, 0] = 1 + xx + yy + zz
+    Q[..., 1, 1] = 1 + xx - yy - zz
+    Q[..., 2, 2] = 1 - xx + yy - zz
+    Q[..., 3, 3] = 1 - xx - yy + zz
+    for k, (a, b) in enumerate(((2, 1), (0, 2), (1, 0)), 1):
+        Q[..., 0, k] = Q[..., k, 0] = R[..., a, b] - R[..., b, a]
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        Q[..., a + 1, b + 1] = Q[..., b + 1, a + 1] = R[..., a, b] + R[..., b, a]
     best = np.diagonal(Q, axis1=-2, axis2=-1).argmax(axis=-1)
     q = np.take_along_axis(Q, best[..., None, None], axis=-2)[..., 0, :]
     q = q / np.linalg.norm(q, axis=-1, keepdims=True)
