@@ -33,10 +33,12 @@ LIVE_MS = {2: {"preview": 16.0, "full": 60.0}, 1: {"preview": 24.0, "full": 90.0
 """By threads."""
 PAPERS_SECONDS = 10.0
 LINEAR_WITHIN, MEMORY_WITHIN = 1.15, 1.15
-START_SECONDS = 1.0
+START_SECONDS, OPEN_SECONDS, COLD_SECONDS = 0.6, 0.5, 12.0
 PLENTY_BYTES = 4_000_000_000
 """So that all pictures stay prepared while the chain alone is timed."""
 SMALL_MEMORY_MB, MEMORY_FRAMES = 300, (100, 400, 1000)
+LARGE_MEMORY_MB, LARGE_FRAMES = 500, 120
+"""Of 2,000 frames as much is held as of so many: memory no longer grows."""
 
 
 @dataclass(frozen=True)
@@ -194,24 +196,27 @@ def _by_length(report: Report, shown: Sequence) -> None:
 
 
 def _memory(report: Report) -> None:
-    """Peak memory of child processes that track ever more frames.
-
-    Clips stay ready up to a limit, so the memory grows with the video until that is reached.
-    """
-    children.peak_mb(MEMORY_FRAMES[0] // 2, None)  # compiles, if the loops have changed
+    """Peak memory of child processes that track films, as `keypose track` does."""
+    children.peak_mb(children.looped_film(MEMORY_FRAMES[0] // 2, 1, 12), None)  # compiles
     columns = tuple(f"{frames} frames" for frames in MEMORY_FRAMES)
-    table = report.table("peak memory, MB, keyframes every 12, full", *columns)
+    table = report.table("peak memory, MB, 640×360, keyframes every 12, full", *columns)
+    films = [children.looped_film(frames, 1, 12) for frames in MEMORY_FRAMES]
     for limit in (SMALL_MEMORY_MB, None):
-        peaks = [children.peak_mb(frames, limit) for frames in MEMORY_FRAMES]
-        words = f"clips within {limit or MEMORY_BYTES // 1_000_000} MB"
+        peaks = [children.peak_mb(each, limit) for each in films]
+        words = f"within {limit or MEMORY_BYTES // 1_000_000} MB"
         table.row(words, *(round(peak) for peak in peaks))
         filled = peaks if limit else peaks[1:]
         what = f"{words}, filled: most frames over fewest"
         report.expect(what, filled[-1] / filled[0], MEMORY_WITHIN)
+        if limit:
+            report.expect("the whole process", max(peaks), SMALL_MEMORY_MB, "MB")
+    large = children.peak_mb(children.looped_film(LARGE_FRAMES, 3, 20), LARGE_MEMORY_MB)
+    report.expect("1920×1080, keyframes every 20, whole process", large, LARGE_MEMORY_MB, "MB")
 
 
 def _start(report: Report) -> None:
-    """A child process `keypose track` on the box sample, everything compiled."""
+    """Child processes: `keypose track` on the box sample and `keypose open`, everything compiled,
+    and the page's worker where nothing is."""
     spent = children.start_seconds(5)
     table = report.table("`keypose track` on the box sample, s", "least/median")
     for what, seconds in spent.items():
@@ -219,3 +224,7 @@ def _start(report: Report) -> None:
     first = float(np.median(spent["to the first trajectory"]))
     report.expect("start to first result", first, START_SECONDS, "s")
     report.note(f"share of imports: {np.median(spent['imports alone']) / first:.0%}")
+    opened = float(np.median(children.open_seconds(5)))
+    report.expect("`keypose open` to its first answer", opened, OPEN_SECONDS, "s")
+    cold = children.cold_seconds()
+    report.expect("nothing compiled: until a segment can be tracked", cold, COLD_SECONDS, "s")

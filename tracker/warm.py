@@ -1,43 +1,34 @@
 """Getting the compiled loops ready before they are needed.
 
-The first run on a machine compiles them, which takes about a minute; later runs load them from
-disk. `warm` does either by tracking a tiny grey box, so that it can be done while a
-person's video is still being read.
+The first run on a machine compiles them, in several processes; later runs load them from disk.
+`warm` does either by tracking a tiny grey box, so that it can be done while a person's video is
+still being read.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import os
+from collections import deque
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
+from threading import Lock, Thread
+from typing import TYPE_CHECKING, Final
 
 import numba
 import numpy as np
 
 from keypose.tracker import kernels
-from keypose.tracker.body.body import ALL_DOFS, Body, Part
-from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.raster import BodyMesh, raster
-from keypose.tracker.body.shapes import Box
-from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.fitting.pose.texture import TextureMatch, texture_of
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import transform
-from keypose.tracker.geometry.view import ViewCamera
-from keypose.tracker.reduction.reduce import reduce_motion
-from keypose.tracker.reduction.result import Tolerance
-from keypose.tracker.solver.posed import Posed
-from keypose.tracker.tracking.cycle import track_segment
-from keypose.tracker.tracking.diagnostics.observability import observe
-from keypose.tracker.tracking.initial.templates.patch import Patch
-from keypose.tracker.tracking.initial.templates.search import GreyPicture, cut, find_match
-from keypose.tracker.tracking.method import FULL, PREVIEW
-from keypose.tracker.tracking.scene import Scene
-from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.video.pyramid import LEVELS, Clip, Picture, prepare
+
+if TYPE_CHECKING:
+    from keypose.tracker.warming import BoxScene
 
 _DONE, _HULLS_DONE = "warm", "warm-hulls"
+MOST_PROCESSES: Final = 3
+"""More would wait for the largest part."""
 
 
 def is_warm() -> bool:
@@ -45,41 +36,123 @@ def is_warm() -> bool:
     return _is_marked(_DONE)
 
 
-def preparing_words() -> str:
-    """Return what is said before `warm` compiles the loops."""
+def preparing_words(percent: int = 0) -> str:
+    """Return what is said while `warm` compiles the loops, of which so much is done."""
     problem = kernels.FOLDER.problem
     if problem:
         return (
             f"Preparing the tracker: about a minute, and again at the next start, for {problem}. "
             "Make room there, or set XDG_CACHE_HOME to another folder of yours."
         )
-    return "Preparing the tracker for this computer, once: about a minute."
+    done = f"{percent} % done" if percent else "half a minute"
+    return f"Preparing the tracker for this computer, once: {done}."
 
 
 def warm() -> None:
     """Compile the loops, or load them."""
-    shape = Box(low_m=(-0.2, -0.2, -0.2), high_m=(0.2, 0.2, 0.2))
-    body = Body(name="box", parts=(Part(name="box", shape=shape, tracked=ALL_DOFS),))
-    skeleton = Skeleton.of(body)
-    camera = Camera(width=48, height=48, fx=48.0, fy=48.0, cx=23.5, cy=23.5)
-    poses = [Pose.rest(skeleton, (x, 0.0, 1.5)) for x in (0.0, 0.03)]
-    scene = Scene.of(skeleton, camera, poses, density=0.05)
-    rows, columns = np.mgrid[:48, :48]
-    grey = (120 + 60 * np.sin(rows / 3) * np.sin(columns / 4)).astype(np.uint8)
-    pyramid = prepare(grey, None, LEVELS)
-    clip = Clip(0, tuple(np.stack([level] * 4) for level in pyramid))
-    segment = Segment(0, 3, poses[0], poses[1], clip)
-    for method in (PREVIEW, FULL):
-        for step in track_segment(scene, segment, method):
-            last = step.trajectory
-    observe(scene, clip, last)
-    _compare(scene, [level[0] for level in clip.levels], poses[0])
-    _match(clip.levels[0][0])
-    reduce_motion(skeleton, camera, segment.interpolated(), Tolerance())
-    raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), ViewCamera.of(camera))
-    if not is_warm():  # compiled, they load in no time, should there be surfaces at all
-        _surface(body, poses[0], camera)
-    _put_mark(_DONE)
+    from keypose.tracker.warming import PARTS, BoxScene
+
+    if is_warm():
+        _load(BoxScene.made())
+    else:
+        compiling = _Compiling(lambda percent: None)
+        compiling.work(PARTS)
+        compiling.finish()
+
+
+def warm_tracking(report: Callable[[int], None]) -> None:
+    """The same, but only until a segment can be tracked: the other loops are compiled beside.
+
+    report: is told how many percent of that are done, on several threads, one at a time.
+    """
+    from keypose.tracker.warming import TRACKING, BoxScene
+
+    if is_warm():
+        _load(BoxScene.made())
+    else:
+        compiling = _Compiling(report)
+        compiling.work(TRACKING)
+        compiling.tell_no_more()
+        Thread(target=compiling.finish, name="compiling", daemon=True).start()
+
+
+def _load(box: BoxScene) -> None:
+    """Load the loops; those for surfaces load in no time, should there be any at all."""
+    from keypose.tracker.warming import PARTS
+
+    for name, part in PARTS.items():
+        if name != "surface":
+            part.do(box)
+
+
+class _Compiling:
+    """Compiles parts in other processes, begun at once, and in this one.
+
+    Where another process dies, what it was to compile is compiled when it is needed.
+    """
+
+    def __init__(self, report: Callable[[int], None]) -> None:
+        from keypose.tracker.warming import PARTS, BoxScene
+
+        self._parts, self._box = PARTS, BoxScene.made()
+        self._waiting, self._done = deque(PARTS), 0
+        self._report: Callable[[int], None] | None = report
+        self._lock = Lock()
+        self._threads = [Thread(target=self._work_beside, daemon=True) for _ in range(_helpers())]
+        for thread in self._threads:
+            thread.start()
+
+    def work(self, among: Collection[str]) -> None:
+        """Compile one after another of these, then load what others have compiled of them."""
+        while (name := self._take(among)) is not None:
+            self._parts[name].do(self._box)
+            self._tell(name)
+        if "track" in among:
+            self._parts["track"].do(self._box)
+
+    def tell_no_more(self) -> None:
+        with self._lock:
+            self._report = None
+
+    def finish(self) -> None:
+        """Wait until all are compiled."""
+        for thread in self._threads:
+            thread.join()
+        self.work([name for name in self._parts if name != "track"])  # where there is no other
+        _put_mark(_DONE)
+
+    def _work_beside(self) -> None:
+        from keypose.tracker.warming import Helper
+
+        helper = Helper()
+        try:
+            while (name := self._take(self._parts)) is not None and helper.do(name):
+                self._tell(name)
+        finally:
+            helper.close()
+
+    def _take(self, among: Collection[str]) -> str | None:
+        """The next part of these that nobody has taken."""
+        with self._lock:
+            name = next((name for name in self._waiting if name in among), None)
+            if name is not None:
+                self._waiting.remove(name)
+            return name
+
+    def _tell(self, name: str) -> None:
+        """Report a part that is done, if it is one that tracking needs."""
+        from keypose.tracker.warming import TRACKING
+
+        with self._lock:
+            if self._report is not None and name in TRACKING:
+                self._done += TRACKING[name].share
+                self._report(100 * self._done // sum(part.share for part in TRACKING.values()))
+
+
+def _helpers() -> int:
+    """How many processes to start besides this one; without a cache they would be of no use."""
+    cores = os.cpu_count() or 1
+    return 0 if kernels.FOLDER.path is None else min(cores, MOST_PROCESSES) - 1
 
 
 def are_hulls_warm() -> bool:
@@ -104,45 +177,6 @@ def warm_hulls() -> None:
     mesh = hull_mesh(hull_field(views, [disc] * len(views), 0.08))
     consistency(mesh, views, [grey] * len(views))
     _put_mark(_HULLS_DONE)
-
-
-def _surface(body: Body, pose: Pose, camera: Camera) -> None:
-    """A surface compared with itself, and drawn."""
-    from keypose.tracker.surface.fit.model import SurfaceModel
-    from keypose.tracker.surface.fit.options import Options
-    from keypose.tracker.surface.fit.pairing import TargetSurface, vertex_scalars
-    from keypose.tracker.surface.fit.solving import fit_pose
-    from keypose.tracker.surface.mesh import SurfaceMesh
-    from keypose.tracker.surface.painting import paint
-
-    solid = body.parts[0].shape.mesh()
-    mesh = SurfaceMesh(solid.vertices + pose.p_camera_root, solid.faces)
-    options = Options(points=50)
-    model = SurfaceModel.of(mesh, body, pose, options.points)
-    fit_pose(model, TargetSurface.of(mesh, options), pose, options)
-    vertex_scalars(model, mesh, pose, "distance")
-    paint(mesh, camera)
-
-
-def _compare(scene: Scene, pictures: Sequence[Picture], pose: Pose) -> None:
-    """A frame beside its own texture."""
-    match = TextureMatch(scene, pictures, [texture_of(scene, pictures, pose, 1.0)])
-    match.update_visibility(pose)
-    posed = Posed.of(scene.skeleton, pose)
-    for level in range(len(pictures)):
-        for fine in (False, True):
-            match.term(posed, level, fine).equations(posed)
-    match.score(pose)
-
-
-def _match(picture: Picture) -> None:
-    """Find a piece of a picture in itself."""
-    template = cut(picture, np.array([24.0, 24.0]), 6)
-    patch = Patch.cut(picture, (24.0, 24.0, 0.0, 0.0), 6, picture[..., 3] > 0)
-    assert template is not None
-    assert patch is not None
-    find_match(template, GreyPicture.of(picture), np.array([25.0, 23.0]), 3)
-    patch.refine(picture, (25.0, 23.0, 0.0, 0.0))
 
 
 def _is_marked(name: str) -> bool:

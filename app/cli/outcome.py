@@ -14,10 +14,8 @@ from keypose.app.cli.follow import Run, follow
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import warm_tracker
 from keypose.app.document.folder_lock import locked
-from keypose.app.document.open import with_paths_from
 from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.rerun import all_segments, save_found, save_tracks_beside, with_repeats
-from keypose.app.words.problems import space_sentence
 from keypose.tracker.errors import SessionError
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Results, Session
@@ -149,6 +147,8 @@ def _save_found(
     }
     findings = [found for stretch in results.space for found in stretch.findings]
     if findings:
+        from keypose.app.words.problems import space_sentence  # which loads posing
+
         rows = [{**found.model_dump(), "words": space_sentence(found)} for found in findings]
         summary["in_space"] = rows
     return summary
@@ -169,6 +169,8 @@ def _write(
 
 def write_copy(session: Session, arguments: argparse.Namespace) -> None:
     """The session in the folder --out, with all that belongs to it but its motion."""
+    from keypose.app.document.open import with_paths_from  # which loads the page's edits
+
     make_folder(arguments.out, error=SessionError)
     carry_beside(session, arguments.session.parent, arguments.out)
     there = with_paths_from(session, arguments.session, arguments.out)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 
-from keypose.app.cli.ahead import track_ahead_and_save
 from keypose.app.cli.arguments import order_of
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.cli.outcome import locked_place, track_and_save
-from keypose.app.editor.camera import as_taken
 from keypose.app.jobs.find_camera import find_saved, found_words, is_camera_wanted, with_found
 from keypose.app.jobs.rerun import require_trackable, with_settings
 from keypose.app.orders.tracking import FilmTaken, TrackOrder, said
@@ -22,6 +20,8 @@ def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
     """The session as the film was taken, which its file says too, unless a copy is tracked."""
     if not (taken := said(order_of(FilmTaken, arguments))):
         return session
+    from keypose.app.editor.camera import as_taken  # which loads the page's edits
+
     session = as_taken(session, taken)
     if arguments.out is None:
         with locked_place(arguments) as place:
@@ -54,6 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     session = _with_camera(session, with_settings(session, order), arguments)
     asked = with_settings(session, order)
     if arguments.ahead is not None:
+        from keypose.app.cli.ahead import track_ahead_and_save  # which loads the page's edits
+
         return track_ahead_and_save(session, asked, arguments)
     if arguments.out is not None and len(session.bodies) > 1:
         raise SessionError("A copy is made of sessions of one body: leave --out away.")

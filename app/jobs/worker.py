@@ -133,11 +133,11 @@ class Worker:
 
     def _warm(self) -> None:
         """The loops are compiled, or loaded, before anybody waits for them."""
-        from keypose.tracker.warm import is_warm, preparing_words, warm
+        from keypose.tracker.warm import is_warm, preparing_words, warm_tracking
 
         _measure_drafting()
         self._send(Warming("Getting the tracker ready." if is_warm() else preparing_words()))
-        warm()
+        warm_tracking(lambda percent: self._send(Warming(preparing_words(percent))))
         self._send(Warming(""))
 
     def _take_orders(self) -> None:

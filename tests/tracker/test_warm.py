@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
 import numba
 import pytest
 
-from keypose.tracker import kernels, warm
+from keypose.tracker import kernels, warm, warming
+from keypose.tracker.warming import WarmPart
 
 
 @pytest.fixture
@@ -66,3 +68,64 @@ def test_a_mark_that_does_not_show_of_which_files_it_is_does_not_count(
 ) -> None:
     (loops.parent / "cache" / name).touch()
     assert not MARKS[name]()
+
+
+@pytest.fixture
+def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What has been compiled, by this process or another, of parts that only say so."""
+    done: list[str] = []
+
+    def part(name: str, share: int) -> WarmPart:
+        return WarmPart(lambda box: done.append(name), share)
+
+    tracking = {"chains": part("chains", 3), "track": part("track", 1)}
+    monkeypatch.setattr(warming, "TRACKING", tracking)
+    monkeypatch.setattr(warming, "PARTS", {**tracking, "surface": part("surface", 9)})
+    monkeypatch.setattr(warm, "_helpers", lambda: 0)
+    return done
+
+
+def finish() -> None:
+    for thread in threading.enumerate():
+        if thread.name == "compiling":
+            thread.join()
+
+
+def test_what_tracking_needs_is_compiled_first_and_its_share_told(
+    loops: Path, compiled: list[str]
+) -> None:
+    told: list[tuple[int, list[str]]] = []
+    warm.warm_tracking(lambda percent: told.append((percent, sorted(set(compiled)))))
+    assert told == [(75, ["chains"]), (100, ["chains", "track"])]
+    finish()
+    assert "surface" in compiled
+    assert warm.is_warm()
+    assert warm.preparing_words(75).endswith("once: 75 % done.")
+
+
+def test_where_another_process_dies_tracking_is_ready_all_the_same(
+    loops: Path, compiled: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Dead(warming.Helper):
+        def __init__(self) -> None:
+            """No process."""
+
+        def do(self, name: str) -> bool:
+            return False
+
+        def close(self) -> None:
+            """Nothing to end."""
+
+    monkeypatch.setattr(warming, "Helper", Dead)
+    monkeypatch.setattr(warm, "_helpers", lambda: 1)
+    warm.warm_tracking(lambda percent: None)
+    assert "track" in compiled
+    finish()
+
+
+def test_another_process_compiles_what_it_is_told_until_nobody_tells_it_more() -> None:
+    helper = warming.Helper()
+    assert helper.do("drawing")
+    assert not helper.do("juggling")
+    assert not helper.do("drawing")
+    helper.close()

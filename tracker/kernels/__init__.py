@@ -48,6 +48,12 @@ def compiled(function: F) -> F:
 
 
 def _if_there_is_room(save: Callable[..., None], *given: Any) -> None:
-    """A disk that is full by now stops nothing: the loop is compiled once more the next time."""
-    with suppress(OSError):
+    """A disk that is full by now stops nothing: the loop is compiled once more the next time.
+
+    One process at a time: numba gives two that save a loop for different arguments one file name,
+    and the one's code would be run for the other's.
+    """
+    from filelock import FileLock  # what is compiled already needs none
+
+    with suppress(OSError), FileLock(f"{numba.config.CACHE_DIR}/saving.lock"):  # type: ignore[attr-defined]
         save(*given)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.tracker.kernels import compiled
-from keypose.tracker.kernels.rigid import compose, product
+from keypose.tracker.kernels.rigid import compose, product, put, put_place
 
 
 @compiled
@@ -19,8 +19,8 @@ def place_parts(body, R, t, HR, Ho):
     for i in range(body.parents.shape[0]):
         parent = body.parents[i]
         if parent < 0:
-            HR[i] = R[i]
-            Ho[i] = t
+            put(R[i], HR[i])
+            put_place(t, Ho[i])
             continue
         product(HR[parent], R[i], HR[i])
         for a in range(3):

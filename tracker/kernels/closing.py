@@ -19,6 +19,8 @@ from keypose.tracker.kernels.rigid import (
     exponential,
     logarithm,
     product,
+    put,
+    put_place,
     turned_back,
 )
 
@@ -58,14 +60,16 @@ def find_correction(M, T, shares):
     tail, J, gap = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     step, scratch, xi = np.empty((3, 3)), np.empty((2, 3, 3)), np.empty(3)
     for rounds in range(MOST_ROUNDS):
-        tail[:] = np.eye(3)
+        tail[:] = 0.0
+        for a in range(3):
+            tail[a, a] = 1.0
         J[:] = 0.0
         for j in range(n - 1, -1, -1):
             for a in range(3):
                 for b in range(3):
                     J[a, b] += shares[j] * tail[b, a]
             product(M[j], tail, step)
-            tail[:] = step
+            put(step, tail)
         turned_back(tail, T, step)
         logarithm(step, gap)
         if max(abs(gap[0]), abs(gap[1]), abs(gap[2])) < MET:
@@ -100,7 +104,7 @@ def root_path(R, t, R_next, t_next, t_end, shares, path):
     """
     n = R_next.shape[0]
     turned, step, r = R[0, 0].copy(), np.empty((3, 3)), np.empty(3)
-    path[0] = t[0]
+    put_place(t[0], path[0])
     motion = np.empty((3, 3))
     for j in range(n):
         for a in range(3):
@@ -113,14 +117,14 @@ def root_path(R, t, R_next, t_next, t_end, shares, path):
             )
         turned_back(R[j, 0], R_next[j, 0], motion)
         product(turned, motion, step)
-        turned[:] = step
+        put(step, turned)
         cleaned(turned)
     missing = t_end - path[n]
     done = 0.0
     for j in range(1, n):
         done += shares[j - 1] / n
         path[j] += missing * done
-    path[n] = t_end
+    put_place(t_end, path[n])
 
 
 @compiled
@@ -146,8 +150,9 @@ def close_segment(
         whole = M.copy()
         rounds[i] = find_correction(M, T, turned[:, i])
         if rounds[i] < 0:
-            M[:] = whole
-        R_out[0, i] = R[0, i]
+            for j in range(n):
+                put(whole[j], M[j])
+        put(R[0, i], R_out[0, i])
         for j in range(n):
             product(R_out[j, i], M[j], R_out[j + 1, i])
             cleaned(R_out[j + 1, i])
@@ -156,7 +161,7 @@ def close_segment(
         turned_back(R_out[n, i], R_end[i], T)
         logarithm(T, missing)
         gaps[i] = np.sqrt(missing[0] ** 2 + missing[1] ** 2 + missing[2] ** 2)
-        R_out[n, i] = R_end[i]
+        put(R_end[i], R_out[n, i])
 
 
 @compiled
@@ -174,4 +179,4 @@ def blend(R_forward, t_forward, R_backward, t_backward, turned, shifted, R, t):
             exponential(gap * turned[j, i], step)
             product(R_forward[j, i], step, R[j, i])
             cleaned(R[j, i])
-        t[j] = (1 - shifted[j]) * t_forward[j] + shifted[j] * t_backward[j]
+        put_place((1 - shifted[j]) * t_forward[j] + shifted[j] * t_backward[j], t[j])

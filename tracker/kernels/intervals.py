@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from keypose.tracker.kernels import compiled
-from keypose.tracker.kernels.rigid import exponential, logarithm, product, turned_back
+from keypose.tracker.kernels.rigid import exponential, logarithm, product, put, turned_back
 
 NEAREST_M = 1e-6
 """Points nearer to the camera are not seen."""
@@ -78,7 +78,7 @@ def _place(motion, body, a, b, n, part, work):
         product(motion.Rs[a, part], work.scratch[0], work.scratch[1])
         local = work.scratch[1]
     if parent < 0:
-        work.HR[part] = local
+        put(local, work.HR[part])
         p, q = motion.ps[a], motion.ps[b]
         for k in range(3):
             work.Ho[part, k] = p[k] + share * (q[k] - p[k]) if moves else motion.ps[n, k]

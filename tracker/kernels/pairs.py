@@ -22,7 +22,7 @@ from keypose.tracker.kernels.chain import (
 )
 from keypose.tracker.kernels.layout import Lens
 from keypose.tracker.kernels.noise import BINS, capped_square, robust_sigma
-from keypose.tracker.kernels.rigid import cleaned, product, turned_back
+from keypose.tracker.kernels.rigid import cleaned, product, put_pose, turned_back
 from keypose.tracker.kernels.seeing import pick, room, see
 from keypose.tracker.kernels.sums import (
     BLOCK,
@@ -83,7 +83,8 @@ def linearise(
         False, N, histogram, rows,
     )  # fmt: skip
     for i in range(parts):
-        Ho[i] -= centre
+        for a in range(3):
+            Ho[i, a] -= centre[a]
     camera_twists(body, HR, Ho, S)
     sum_subtrees(body, N)
     normal_equations(body, N, S, A, b)
@@ -144,7 +145,9 @@ def solve_pair(
                 A[d, e] *= q
             A[d, d] += prior.precision[d]
         if not solve_positive(A, b):
-            A[:] = np.diag(np.sqrt(prior.precision))  # nothing but the prediction is left
+            A[:] = 0.0  # nothing but the prediction is left
+            for d in range(dofs):
+                A[d, d] = np.sqrt(prior.precision[d])
             break
         largest = shortened(b, LONGEST_STEP)
         if largest < 0:
@@ -201,7 +204,7 @@ def follow_pairs(
         place_parts(body, R[j], t[j], HR, Ho)
         shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
-        R_next[j], t_next[j] = R[j + 1], t[j + 1]
+        put_pose(R[j + 1], t[j + 1], R_next[j], t_next[j])
         x[:] = 0.0
         own = solve_pair(
             body, chosen, grey, starts, R_next[j], t_next[j], x, pictures[slots[j + 1]], lens,
@@ -216,7 +219,7 @@ def follow_pairs(
 def predict_by_velocity(R, t, j):
     """R[j + 1], t[j + 1] ← the pose after frame j if the last motion goes on."""
     if j == 0:
-        R[1], t[1] = R[0], t[0]
+        put_pose(R[0], t[0], R[1], t[1])
         return
     turn = np.empty((3, 3))
     for i in range(R.shape[1]):

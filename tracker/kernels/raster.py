@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.rigid import put_place
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -53,7 +54,7 @@ def _clipped(corners: Array, face: NDArray[np.int64], near: float, inside: Array
     for i in range(3):
         a, b = corners[face[i]], corners[face[(i + 1) % 3]]
         if a[2] >= near:
-            inside[count] = a
+            put_place(a, inside[count])
             count += 1
         if (a[2] >= near) != (b[2] >= near):
             share = (near - a[2]) / (b[2] - a[2])

@@ -1,4 +1,8 @@
-"""Rotations as 3×3 arrays, written in place: the loops allocate nothing."""
+"""Rotations as 3×3 arrays, written in place: the loops allocate nothing.
+
+Arrays are copied by element: for `out[:] = a` numba compiles the words of a shape error as well,
+which every loop that calls this one would compile again.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,29 @@ import math
 import numpy as np
 
 from keypose.tracker.kernels import compiled
+
+
+@compiled
+def put(a, out):
+    """out = a, both (3, 3)."""
+    for i in range(3):
+        for k in range(3):
+            out[i, k] = a[i, k]
+
+
+@compiled
+def put_place(p, out):
+    """out = p, both (3,)."""
+    for i in range(3):
+        out[i] = p[i]
+
+
+@compiled
+def put_pose(R, t, R_out, t_out):
+    """R_out, t_out = R, t, (P, 3, 3) and (3,)."""
+    for i in range(R.shape[0]):
+        put(R[i], R_out[i])
+    put_place(t, t_out)
 
 
 @compiled
@@ -94,5 +121,5 @@ def compose(R, v, scratch):
     """R ← R exp(v), in place and kept a rotation; `scratch` is (2, 3, 3)."""
     exponential(v, scratch[0])
     product(R, scratch[0], scratch[1])
-    R[:] = scratch[1]
+    put(scratch[1], R)
     cleaned(R)

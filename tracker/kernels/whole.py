@@ -59,7 +59,8 @@ def compare_textures(
             sigma[end, j] = robust_sigma(histogram, points)
             both += N * (share * information / sigma[end, j] ** 2)
         for i in range(parts):
-            Ho[i] -= centre
+            for a in range(3):
+                Ho[i, a] -= centre[a]
         camera_twists(body, HR, Ho, S)
         sum_subtrees(body, both)
         normal_equations(body, both, S, A[j], b[j])

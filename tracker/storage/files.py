@@ -19,6 +19,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.edit_history import Recovered, recover, with_results_of
 from keypose.tracker.storage.evidence import files_of
+from keypose.tracker.storage.evidence.files import FilmFiles
 from keypose.tracker.storage.journal import NAME as JOURNAL
 from keypose.tracker.storage.journal import Read, read_journal
 
@@ -286,8 +287,10 @@ def open_for_work(session: Session, path: Path, folder: Path) -> Video:
     SessionError where it may have been exported again and is not what the session was made for,
     such as with more surfaces than it has steps: every one after that would be another one's.
     """
-    evidence = session.evidence
-    opened = open_video_at if evidence.is_known_by_fingerprint else open_same_at
+    files = files_of(session)
+    if isinstance(files, FilmFiles) and session.settings.cues_used == ("brightness",):
+        return files.open_to_read_once(session, path)
+    opened = open_video_at if session.evidence.is_known_by_fingerprint else open_same_at
     return opened(session, path, folder)
 
 

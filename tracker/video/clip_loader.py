@@ -31,9 +31,11 @@ from keypose.tracker.video.pyramid import (
 from keypose.tracker.video.still_camera import background, moving, smooth
 
 MEMORY_BYTES = 1_500_000_000
-"""What the clip of one segment may take."""
+"""What a process that tracks may take; the clip of one segment is made to fit, and always may."""
+PROCESS_BYTES = 300_000_000
+"""Of that, what libraries, compiled loops and the decoder take."""
 KEPT_SHARE = 0.3
-"""Of that, how much earlier clips may go on holding beside a new one; one clip always may."""
+"""How much earlier clips may go on holding where there is room beside a new one."""
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
@@ -121,7 +123,6 @@ class ClipLoader:
         with self._lock:
             span = self._covering(first, last)
             if span is None:
-                self._make_room()
                 clip = self._prepare_clip(first, last)
                 self._forget_within(first, last)
                 span = (first, last)
@@ -147,30 +148,37 @@ class ClipLoader:
                 return [level[frame - clip.first_frame] for level in clip.levels]
         return None
 
-    def _make_room(self) -> None:
-        """Drop the least recently used clips; the last one stays, whatever its size."""
-
-        def held() -> int:
-            return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
-
-        while len(self._ready) > 1 and held() > KEPT_SHARE * self.memory:
+    def _make_room(self, needed: int) -> None:
+        """Drop the least recently used clips until they fit beside a new one of so many bytes."""
+        room = min(KEPT_SHARE * self.memory, self.memory - PROCESS_BYTES - needed)
+        while self._ready and sum(_size(clip.levels) for clip in self._ready.values()) > room:
             self._ready.popitem(last=False)
 
     def _prepare_clip(self, first: int, last: int) -> Clip:
+        """A clip in which frames that are ready are not prepared again. They are taken over before
+        room is made: to go back to them, a decoder would have to begin long before."""
         working = self.size.camera(self.camera)
         sizes = level_sizes(working.width, working.height, LEVELS)
         levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
-        for index, pictures in self._each(first, last):
-            for level, picture in zip(levels, pictures, strict=True):
-                level[index - first] = picture
+        taken = {frame for frame in range(first, last + 1) if self._take_over(frame, first, levels)}
+        self._make_room(_size(levels))
+        for frame, prepared in self._missing(first, last, taken):
+            _put(levels, frame - first, prepared)
         damaged = frozenset(n for n in self._damaged if first <= n <= last)
         return Clip(first, levels, damaged)
 
-    def _each(self, first: int, last: int) -> Iterator[tuple[int, list[Picture]]]:
-        """Every frame's pictures; those that are ready are not prepared again."""
-        ready = {f: p for f in range(first, last + 1) if (p := self._pictures_of(f)) is not None}
-        yield from ready.items()
-        for start, stop in _gaps(first, last + 1, ready):
+    def _take_over(self, frame: int, first: int, levels: Sequence[Picture]) -> bool:
+        """Copy a frame's pictures, where a ready clip holds it; whether one does."""
+        pictures = self._pictures_of(frame)
+        if pictures is not None:
+            _put(levels, frame - first, pictures)
+        return pictures is not None
+
+    def _missing(
+        self, first: int, last: int, taken: Collection[int]
+    ) -> Iterator[tuple[int, list[Picture]]]:
+        """Every other frame's pictures."""
+        for start, stop in _gaps(first, last + 1, taken):
             reached = start
             for index, rgb in self.video.sound_frames(start, stop):
                 if rgb is None:
@@ -281,6 +289,16 @@ class ClipLoader:
             if rgb is not None
         ]
         return smooth(background(pictures))
+
+
+def _put(levels: Sequence[Picture], index: int, pictures: Sequence[Picture]) -> None:
+    for level, picture in zip(levels, pictures, strict=True):
+        level[index] = picture
+
+
+def _size(levels: Sequence[Picture]) -> int:
+    """Bytes."""
+    return sum(level.nbytes for level in levels)
 
 
 def _gaps(start: int, stop: int, ready: Collection[int]) -> list[tuple[int, int]]:

@@ -49,6 +49,9 @@ def identity(path: Path) -> Any:
     return path, found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
+READ_ONCE_BYTES = 32 * 2**20
+
+
 class FilmFiles:
     """A film is recognised by its content: another one is never taken for it."""
 
@@ -56,6 +59,12 @@ class FilmFiles:
         from keypose.tracker.video import Video  # the decoder loads only when needed
 
         return Video.open(path, deinterlace=session.view.video.deinterlace)
+
+    def open_to_read_once(self, session: Session, path: Path) -> Video:
+        """Its pictures for whoever goes through them once: few stay decoded."""
+        from keypose.tracker.video import Video
+
+        return Video.open(path, READ_ONCE_BYTES, deinterlace=session.view.video.deinterlace)
 
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
         from keypose.tracker.video.fingerprint import fingerprint_of_file
