@@ -30,7 +30,8 @@ from keypose.app.server.guard import PROTOCOL, Guard
 from keypose.app.server.headers import headers_for
 from keypose.app.server.imports import Imports
 from keypose.app.server.outputs import Outputs
-from keypose.app.server.routes import LibraryRoutes, PageFiles
+from keypose.app.server.page_files import PageFiles
+from keypose.app.server.routes import LibraryRoutes
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.sections import image_version
 from keypose.app.store.store import Store

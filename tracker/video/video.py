@@ -51,6 +51,9 @@ class PictureCache:
 
 
 CACHE_BYTES = 256 * 1024 * 1024
+MOST_BEHIND = 64
+"""Frames before one that are kept with it: to make pictures of a whole group takes longer than to
+decode it."""
 
 
 class _Source(Protocol):
@@ -142,8 +145,8 @@ class Video:
         this frame cannot be decoded, VideoError when there is no such frame.
         """
         with self._lock:
-            kept = self._cache_bytes * shrink**2 // (3 * self.info.width * self.info.height)
-            picture = self._get(index, min(index, index - kept + 1), shrink)
+            room = self._cache_bytes * shrink**2 // (3 * self.info.width * self.info.height)
+            picture = self._get(index, min(index, index - min(room, MOST_BEHIND) + 1), shrink)
         if picture is None:
             raise MissingFrame(
                 f'Frame {index} of "{self.info.path.name}" is damaged and cannot be decoded: '
