@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import http.client
+import json
 import shutil
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterable
@@ -11,11 +14,12 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import av
 import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from bench import long_films
-from bench.keeping import Absent
+from bench.keeping import ROOT, Absent
 from bench.stand import sample, serving
 from bench.table import Expected, Report, Table
 from keypose.tracker.video import Video
@@ -28,6 +32,7 @@ OPENED_S, NEXT_MS, ANYWHERE_MS, LARGE_MS = 1.0, 20.0, 120.0, 60.0
 EDITED_MS, PLACE_MS = 200.0, 100.0
 STEPS, JUMPS, WORKED_FRAMES, KEYFRAMES = 60, 40, 10_000, 11
 PLACES = 1000
+KILLED_AT, WALKER = 80, "1010,370,1130,700"
 WINDOW = (1440, 900)
 
 _MAKE_PLACES = """
@@ -56,6 +61,7 @@ def long(report: Report) -> None:
     if path is None:
         raise Absent("a Chromium")
     _read(report, hour)
+    _gone_on(report)
     with tempfile.TemporaryDirectory() as kept, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
         report.note(f"Chromium {browser.version}, drawn by software, {WINDOW[0]}×{WINDOW[1]}")
@@ -91,6 +97,38 @@ def _read(report: Report, hour: Path) -> None:
         with Video.open(hour):
             spent.append(time.perf_counter() - began)
     report.expect("an hour of film indexed", float(np.median(spent)), OPENED_S, "s")
+
+
+def _gone_on(report: Report) -> None:
+    """A draft that is killed and begun again: how many frames are looked at once more."""
+    with tempfile.TemporaryDirectory() as kept:
+        film = Path(kept) / "walk.mp4"
+        with (
+            av.open(str(ROOT / "sample_videos" / "walk" / "walk.mp4")) as source,
+            av.open(str(film), "w") as file,
+        ):
+            file.metadata["comment"] = str(time.time_ns())  # no film that was drafted before
+            stream = file.add_stream_from_template(source.streams.video[0])
+            for packet in source.demux(source.streams.video[0]):
+                if packet.size:
+                    packet.stream = stream
+                    file.mux(packet)
+        command = [sys.executable, "-m", "keypose.app", "draft", str(film), "--json"]
+        command += ["--frame", "12", "--box", WALKER, "--out", str(Path(kept) / "draft")]
+        killed = _draft_until(command, KILLED_AT)
+        report.expect(
+            "frames that a killed draft finds again", killed - _draft_until(command, 0), 32
+        )
+
+
+def _draft_until(command: list[str], wanted: int) -> int:
+    """Draft until the keypoints of so many frames are found, then kill it; of how many they are."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        told = (json.loads(line) for line in child.stdout)
+        done = next((one["done"] for one in told if one.get("done", -1) >= wanted), 0)
+        child.kill()
+    return int(done)
 
 
 def _opening(report: Report, keypose: Keypose, film: Path) -> None:
