@@ -8,7 +8,7 @@ them over the picture. Where the camera stands still all of these are one.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from keypose.app.posing import (
     CAMERA_UP,
@@ -19,7 +19,8 @@ from keypose.app.posing import (
     view_rotations,
 )
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.trajectory import Trajectory, interpolate
+from keypose.tracker.body.trajectory import blended, carried
+from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewName
 from keypose.tracker.session.schema import Session
@@ -85,15 +86,19 @@ def carried_pose(doc: Session, frame: int, pose: Pose, to: int) -> Pose:
     return pose.carried(carried_to(doc, to, np.eye(4)[None], [frame])[0])
 
 
-def even_motion(doc: Session, start: Pose, end: Pose, first: int, last: int) -> Trajectory:
-    """The motion from one pose to another that is even in the world, as the camera sees it."""
-    path = doc.camera_path
+def even_motion(
+    doc: Session, start: Pose, end: Pose, span: tuple[int, int], frames: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Rotations (N, P, 3, 3) and root positions (N, 3) at frames (N,) of the motion from one pose,
+    at the first frame of a span, to another at its last, that is even in the world, as the camera
+    sees it."""
+    first, last = span
+    path, shares = doc.camera_path, (frames - first) / (last - first)
     if path is None:
-        return interpolate(start, end, first, last)
-    there = path.between(first, last)
-    Ts = there.Ts_world_camera
-    even = interpolate(start.carried(Ts[0]), end.carried(Ts[-1]), first, last)
-    return even.carried(there.Ts_camera_world)
+        return blended(start, end, shares)
+    Ts = path.Ts_camera_world
+    begin, finish = rigid_inverse(Ts[[first, last]])
+    return carried(*blended(start.carried(begin), end.carried(finish), shares), Ts[frames])
 
 
 def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:

@@ -30,7 +30,6 @@ from keypose.tracker.body.pose import (
     pose_transforms,
 )
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, apply_transform, rotation_from_quaternion
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
@@ -65,8 +64,8 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     doc, skeleton = edit.settled, settled_skeleton(edit)
     keys = [k.frame for k in doc.subject.keyframes if first <= k.frame <= last]
     frames = np.union1d(np.arange(first, last + 1, stride), np.array(keys, dtype=np.int64))
-    motions = list(_motions(edit, first, last))
-    Rs, ps = (np.concatenate(arrays)[frames - first] for arrays in zip(*motions, strict=True))
+    motions = list(_motions(edit, frames))
+    Rs, ps = (np.concatenate(arrays) for arrays in zip(*motions, strict=True))
     row_of = {frame: row for row, frame in enumerate(frames.tolist())}
     for posed in _met_poses(edit, doc):
         row = row_of.get(posed.frame)
@@ -120,29 +119,34 @@ def _with_posed(
     return KnownMotion(frames[order], Ts[order])
 
 
-def _motions(edit: EditorState, first: int, last: int) -> Iterator[tuple[Array, Array]]:
-    """Rotations and positions of the frames, segment by segment, tracked or interpolated."""
-    doc, at = edit.settled, first
+def _motions(edit: EditorState, frames: NDArray[np.int64]) -> Iterator[tuple[Array, Array]]:
+    """Rotations and positions at ascending frames, segment by segment, tracked or interpolated."""
+    doc, done = edit.settled, 0
     fitting = edit.results.fitting(doc)
     for start, end in doc.spans:
-        if end < first or start > last or at > last:
+        stop = int(np.searchsorted(frames, end, side="right"))
+        wanted, done = frames[done:stop], stop
+        if len(wanted) == 0:
             continue
         found = fitting.get((start, end))
-        motion = _untracked(edit, start, end) if found is None else found.trajectory
-        rows = slice(at - start, min(end, last) - start + 1)
-        at = min(end, last) + 1
-        yield motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
+        if found is None:
+            yield _untracked(edit, start, end, wanted)
+        else:
+            motion, rows = found.trajectory, wanted - start
+            yield motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
 
 
-def _untracked(edit: EditorState, start: int, end: int) -> Trajectory:
-    found = edit.between(edit.settled, start, end)
+def _untracked(
+    edit: EditorState, start: int, end: int, frames: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    found = edit.between(edit.settled, start, end, frames)
     if found is not None:
         return found
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
     doc, known = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
     at, pose = next((k.frame, k.pose(skeleton)) for k in known if k is not None)
     begin, finish = (carried_pose(doc, at, pose, frame) for frame in (start, end))
-    return even_motion(doc, begin, finish, start, end)
+    return even_motion(doc, begin, finish, (start, end), frames)
 
 
 REACH = 30

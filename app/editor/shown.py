@@ -143,9 +143,10 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
         held = carried_pose(state.doc, nearest.frame, nearest.pose(state.skeleton), frame)
         return ShownPose(held, "held")
     before, after = known[place - 1], known[place]
-    motion = state.between(state.doc, before.frame, after.frame) if state.kept else None
+    here = np.array([frame])
+    motion = state.between(state.doc, before.frame, after.frame, here) if state.kept else None
     if motion is not None:
-        return ShownPose(motion.pose(frame), "between")
+        return ShownPose(Pose(motion[0][0], motion[1][0]), "between")
     share = (frame - before.frame) / (after.frame - before.frame)
     start, end = (
         carried_pose(state.doc, k.frame, k.pose(state.skeleton), frame) for k in (before, after)

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import require_sound
 from keypose.app.editor.frames import even_motion, first_pose
@@ -125,10 +128,12 @@ class EditorState:
         """The tracked pose at a frame."""
         return pose_at(self.fitting, frame)
 
-    def between(self, doc: Session, start: int, end: int) -> Trajectory | None:
-        """The motion between two neighbouring keyframes that is not tracked: as it was before it
-        was reduced, where it was, displaced to meet them; else interpolated. None where one of
-        them is no keyframe."""
+    def between(
+        self, doc: Session, start: int, end: int, frames: NDArray[np.int64]
+    ) -> tuple[Array, Array] | None:
+        """Rotations (N, P, 3, 3) and root positions (N, 3) at frames between two neighbouring
+        keyframes whose motion is not tracked: as it was before it was reduced, where it was,
+        displaced to meet them; else interpolated. None where one of them is no keyframe."""
         at = {k.frame: k for k in doc.subject.keyframes if k.frame in (start, end)}
         if len(at) < 2:
             return None
@@ -137,14 +142,15 @@ class EditorState:
             if doc.subject.body is self.doc.subject.body
             else Skeleton.of(doc.subject.body)
         )
-        given = (at[start].pose(skeleton), at[end].pose(skeleton), start, end)
+        begin, finish = at[start].pose(skeleton), at[end].pose(skeleton)
         own = (
             doc.subject.first_motion is not None
             and doc.subject.first_motion.own_run(start, end) is not None
         )
         if own and self.kept is not None:
-            return displaced(self.kept, *given)
-        return even_motion(doc, *given)
+            found = displaced(self.kept, begin, finish, start, end)
+            return found.Rs_parent_part[frames - start], found.ps_camera_root[frames - start]
+        return even_motion(doc, begin, finish, (start, end), frames)
 
     def with_repeats(self, repeats: Repeats | None) -> EditorState:
         """The same with the repeated frames of the film, which are no edit; itself where they are

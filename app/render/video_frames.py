@@ -15,6 +15,7 @@ from keypose.app.render.palette import Picture
 from keypose.tracker.errors import VideoError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.video import MissingFrame, Video
+from keypose.tracker.video.picture import shrunk
 
 CACHE_BYTES = 192 * 2**20
 QUALITY = 88
@@ -26,27 +27,29 @@ class Frames:
     def __init__(self, video: Video) -> None:
         self._video = video
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="frames")
-        self._made: OrderedDict[tuple[int, str], bytes] = OrderedDict()
+        self._made: OrderedDict[tuple[int, str, int], bytes] = OrderedDict()
         self._bytes = 0
         self._closed = False
 
-    async def jpeg(self, index: int, camera: Camera, version: str) -> bytes:
-        """Frame `index` as this camera would have taken it with an ideal lens.
+    async def jpeg(self, index: int, camera: Camera, version: str, shrink: int = 1) -> bytes:
+        """Frame `index` as this camera would have taken it with an ideal lens, with a pixel for
+        every shrink × shrink.
 
         VideoError where the video has no such frame.
         """
-        known = self._made.get((index, version))
+        which = (index, version, shrink)
+        known = self._made.get(which)
         if known is not None:
-            self._made.move_to_end((index, version))
+            self._made.move_to_end(which)
             return known
         loop = asyncio.get_running_loop()
         try:
-            made = await loop.run_in_executor(self._pool, self._make, index, camera)
+            made = await loop.run_in_executor(self._pool, self._make, index, camera, shrink)
         except asyncio.CancelledError:
             if self._closed:
                 raise VideoError("The video has been closed.") from None
             raise
-        self._keep((index, version), made)
+        self._keep(which, made)
         return made
 
     def close(self) -> None:
@@ -54,14 +57,17 @@ class Frames:
         self._closed = True
         self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _make(self, index: int, camera: Camera) -> bytes:
-        picture = camera.rectify(frame_or_grey(self._video, index))
+    def _make(self, index: int, camera: Camera, shrink: int) -> bytes:
+        if camera.is_distorted:  # its numbers are those of the whole picture
+            picture = shrunk(camera.rectify(frame_or_grey(self._video, index)), shrink)
+        else:
+            picture = frame_or_grey(self._video, index, shrink)
         swapped = cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
         good, content = cv2.imencode(".jpg", swapped, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
         assert good
         return content.tobytes()
 
-    def _keep(self, key: tuple[int, str], made: bytes) -> None:
+    def _keep(self, key: tuple[int, str, int], made: bytes) -> None:
         if key in self._made:
             return
         self._made[key] = made
@@ -71,10 +77,11 @@ class Frames:
             self._bytes -= len(gone)
 
 
-def frame_or_grey(video: Video, index: int) -> Picture:
-    """A frame, or a grey picture that says that it is missing; of a mesh, what is wrong with it."""
+def frame_or_grey(video: Video, index: int, shrink: int = 1) -> Picture:
+    """A frame, or a grey picture that says that it is missing; of a mesh, what is wrong with it.
+    With a pixel for every shrink × shrink."""
     try:
-        return video.frame(index)
+        return video.frame(index, shrink)
     except MissingFrame as missing:
         info = video.info
         grey = np.full((info.height, info.width, 3), 96, dtype=np.uint8)
@@ -83,7 +90,7 @@ def frame_or_grey(video: Video, index: int) -> Picture:
             _plates(grey, missing.reason, 0.7 * letter_px)
         else:
             plate(grey, f"Frame {index} is damaged", *(round(letter_px),) * 2, letter_px)
-        return grey
+        return shrunk(grey, shrink)
 
 
 def _plates(picture: Picture, sentence: str, letter_px: float) -> None:

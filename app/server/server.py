@@ -30,7 +30,8 @@ from keypose.app.server.guard import PROTOCOL, Guard
 from keypose.app.server.headers import headers_for
 from keypose.app.server.imports import Imports
 from keypose.app.server.outputs import Outputs
-from keypose.app.server.routes import LibraryRoutes, PageFiles
+from keypose.app.server.page_files import PageFiles
+from keypose.app.server.routes import LibraryRoutes
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.sections import image_version
 from keypose.app.store.store import Store
@@ -40,6 +41,8 @@ from keypose.tracker.scratch import sweep_scratch
 
 STATIC = Path(static.__file__).parent
 STATIC_MOUNT = "/static"
+SHRINKS = {str(by): by for by in (1, 2, 4)}
+"""By how much a frame's picture may be shrunk, as the page asks for it."""
 LARGEST_MESSAGE = 1 << 20
 FAULT = 1011
 """What a socket is closed with where this program is at fault."""
@@ -141,13 +144,14 @@ class Server:
     async def _frame(self, request: Request) -> Response:
         store, index = self.store, request.path_params["index"]
         edit, frames = store.app_state.edit, store.frames
-        if edit is None or frames is None or index >= edit.frame_count:
+        shrink = SHRINKS.get(request.query_params.get("shrink", "1"))
+        if edit is None or frames is None or index >= edit.frame_count or shrink is None:
             return PlainTextResponse("There is no such frame.\n", 404, headers_for("data"))
         version = image_version(store.app_state)
         try:
             content = await self._surfaces.jpeg(index, store.app_state)
             if content is None:
-                content = await frames.jpeg(index, edit.doc.view.camera, version)
+                content = await frames.jpeg(index, edit.doc.view.camera, version, shrink)
         except KeyposeError as error:
             return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
         kept = "private, max-age=31536000, immutable"

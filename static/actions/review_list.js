@@ -37,7 +37,13 @@ export const listOf = (places) => ({ rows: places, current: places[0]?.id ?? nul
 export const answerOf = (list, id) => list.done.find((one) => one.id === id)?.answer;
 
 /** The rows that wait for an answer. @param {ReviewList} list */
-export const openRows = (list) => list.rows.filter(({ id }) => !answerOf(list, id));
+export const openRows = (list) => unanswered(list, list.rows);
+
+/** The places that have no answer in a list. @param {ReviewList} list @param {ReviewPlace[]} places */
+export function unanswered(list, places) {
+  const ids = new Set(list.done.map(({ id }) => id));
+  return places.filter(({ id }) => !ids.has(id));
+}
 
 /** @param {ReviewList} list */
 export const currentRow = (list) => list.rows.find(({ id }) => id === list.current);
@@ -65,7 +71,7 @@ export function answered(list, id, answer) {
  * @returns {ReviewList}
  */
 export function turned(list, places, way) {
-  const rows = places.filter(({ id }) => !answerOf(list, id));
+  const rows = unanswered(list, places);
   const next = list.current === null ? rows[0] : beside(rows, list.rows, list.current, way);
   return { ...list, rows, current: next?.id ?? null };
 }
@@ -78,7 +84,7 @@ export function turned(list, places, way) {
  */
 export function ranked(list, places) {
   const row = currentRow(list);
-  const open = places.filter(({ id }) => !answerOf(list, id));
+  const open = unanswered(list, places);
   if (!row) return { ...list, rows: open, current: open[0]?.id ?? null };
   const now = presentPlace(open, row);
   return { ...list, rows: now ? open.map((place) => (place === now ? row : place)) : [row, ...open] };

@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
 import { closeReview, goal, lowerGoal, setGoal, visit } from '../actions/review.js';
-import { answerOf, doneWords, openRows } from '../actions/review_list.js';
+import { doneWords, openRows } from '../actions/review_list.js';
 import { dropdown } from '../controls/dropdown.js';
 import { icon } from '../controls/icons.js';
 import { toggleMenu } from '../controls/menu.js';
@@ -14,11 +14,37 @@ import { words } from '../store/clip.js';
 
 const SIDE = 104; // device pixels, for 52 of the page
 
+/** Of a thousand rows those have pictures that are seen. @type {IntersectionObserver | null} */
+let seen = null;
+
 class FrameCrop extends HTMLElement {
   shown = '';
+  isSeen = false;
+  /** @type {{ frame: number, at: [number, number], crop: number } | null}  Pixels of the video. */
+  wanted = null;
 
-  /** @param {{ frame: number, at: [number, number], crop: number }} spec  Pixels of the video. */
-  set spec({ frame, at, crop }) {
+  connectedCallback() {
+    seen ??= new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) /** @type {FrameCrop} */ (target).see(isIntersecting);
+    });
+    seen.observe(this);
+  }
+
+  disconnectedCallback() {
+    seen?.unobserve(this);
+  }
+
+  set spec(spec) {
+    this.wanted = spec;
+    this.see(this.isSeen);
+  }
+
+  see(isSeen) {
+    this.isSeen = isSeen;
+    if (isSeen && this.wanted) this.show(this.wanted);
+  }
+
+  show({ frame, at, crop }) {
     const version = server.camera?.image_version ?? '';
     const now = `${server.file?.path}|${version}|${frame}|${at}|${crop}`;
     if (now === this.shown) return;
@@ -57,9 +83,10 @@ const SAID = { accepted: 'Accepted', corrected: 'Corrected', unclear: 'Left open
 export function reviewPanel() {
   const list = ui.review;
   const open = openRows(list);
+  const answers = new Map(list.done.map(({ id, answer }) => [id, answer]));
   return html`<section class="review" aria-label="Review">
     ${head(list, open.length)}
-    <div class="rv-rows" role="list" @pointerleave=${() => setUi('reviewHeld', null)}>${list.rows.map((row) => drawRow(list, row))}</div>
+    <div class="rv-rows" role="list" @pointerleave=${() => setUi('reviewHeld', null)}>${list.rows.map((row) => drawRow(list, row, answers.get(row.id)))}</div>
     ${open.length ? nothing : reviewFinishedCard(list)}
     ${list.done.length ? doneRow(list) : nothing}
     ${untracked()}
@@ -95,9 +122,8 @@ function goals() {
 /** Whether joints that are right are off by more. */
 const tooLow = (px) => (server.review?.right_px ?? 0) > px;
 
-/** @param {ReviewPlace} row */
-function drawRow(list, row) {
-  const answer = answerOf(list, row.id);
+/** @param {ReviewPlace} row @param {import('../actions/review_list.js').Answer | undefined} answer */
+function drawRow(list, row, answer) {
   const isCurrent = row.id === list.current;
   return html`<div class="rv-place ${isCurrent ? 'on' : ''} ${answer ? 'done' : ''}" role="listitem" aria-current=${isCurrent ? 'true' : nothing}>
     <button type="button" class="rv-go" title=${`Go to frame ${row.frame}`} @click=${() => visit(row.id)}>

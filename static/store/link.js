@@ -2,6 +2,7 @@
 // edits.js until the server has them on its disk, also while the line is down.
 
 import { acknowledge, due, keep, settle } from './edits.js';
+import { unpacked } from './series.js';
 import { fetchOwn, keyProtocols } from './storage.js';
 import { setUi, applySections, ui } from './state.js';
 
@@ -146,7 +147,7 @@ function receive(message) {
   }
   if (message.t === 'state') {
     settle(message.dones ?? {});
-    applySections(message.set);
+    applySections(unpacked(message.set));
     acknowledge(message.acks ?? {});
     // Only now it is known which server this is, and what it has open.
     isGreeted = true;

@@ -5,7 +5,7 @@
 /** @typedef {'main' | 'top' | 'side' | 'front' | 'free'} ViewName */
 /** @typedef {[number, number]} Spot */
 /** @typedef {[number, number, number]} Point */
-/** @typedef {(number | null)[]} Series  One value for every frame, null where nothing is known. */
+/** @typedef {(number | null)[]} Series  One value a frame, null where nothing is known; sent as `Runs`. */
 
 /**
  * @typedef {object} File  What is open.

@@ -5,6 +5,7 @@ import { server, ui } from '../store/state.js';
 import { isSurface } from '../store/clip.js';
 import { cameraEye } from './cameras.js';
 import { dropped, gridPaths } from './floor.js';
+import { showAcross } from './frames.js';
 import { feetMiddle, ground } from './freescene.js';
 import { View } from './view.js';
 
@@ -65,6 +66,7 @@ export class CameraView extends View {
       return across;
     };
     const across = place(this.screen, this.screen.width, this.screen.height);
+    showAcross(this.window.scale * devicePixelRatio);
     this.screen.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
     if (this.person.naturalWidth) place(this.person, this.person.naturalWidth, this.person.naturalHeight);
   }

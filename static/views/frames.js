@@ -1,7 +1,7 @@
 // The pictures of the film: fetched and decoded ahead, shown when they are whole.
 
 import { server, ui, setUi, watch } from '../store/state.js';
-import { clampFrame } from '../store/clip.js';
+import { clampFrame, isSurface } from '../store/clip.js';
 import { fetchOwn } from '../store/storage.js';
 import { listen, send } from '../store/link.js';
 import { changedAt, dueAt, framesAhead, rangeToPlay } from './clock.js';
@@ -11,6 +11,8 @@ const MOST_BYTES = 400e6;
 const MOST_LOADS = 6;
 /** While playing, a picture waits this long for the server to move the body there too. */
 const PATIENCE_MS = 80;
+/** Pixels of a film whose pictures are fetched whole, however small they are shown. */
+const LARGE = 1920 * 1080;
 /** A last picture that did not come is asked for again so often. */
 const AGAIN_MS = 500;
 
@@ -21,6 +23,8 @@ const queue = [];
 let screen = null;
 /** @type {(width: number, height: number) => void} */
 let changed = () => {};
+/** Pixels of the screen to one of the film; none until the film is shown. */
+let across = 0;
 let film = '';
 let version = '';
 let wanted = -1;
@@ -58,9 +62,24 @@ function showFrame(frame) {
   loadAround(wanted);
 }
 
+/** The film is shown with so many pixels of the screen to one of its own. */
+export function showAcross(pixels) {
+  across = pixels;
+  newFilm();
+}
+
+/** A picture of a large film is fetched with a pixel for so many of its own across as the screen has room for. */
+function shrink() {
+  const { width, height } = server.camera;
+  if (isSurface() || width * height <= LARGE) return 1;
+  return [4, 2].find((by) => by * across <= 1) ?? 1;
+}
+
+const addressOf = (frame) => `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}&shrink=${shrink()}`;
+
 function newFilm() {
   const file = server.file && server.camera ? `${server.file.path}|${server.file.video}` : '';
-  const now = file && `${file}|${server.camera.image_version}`;
+  const now = file && `${file}|${addressOf(0)}`;
   if (now === version) return;
   if (file !== film) blank(); // the same film through another lens may stay until it is there
   film = file;
@@ -123,8 +142,7 @@ async function load(frame) {
   const asked = version;
   loading.set(frame, abort);
   try {
-    const url = `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}`;
-    const answer = await fetchOwn(url, { signal: abort.signal });
+    const answer = await fetchOwn(addressOf(frame), { signal: abort.signal });
     if (!answer.ok) {
       refused.add(frame);
       return void (frame === wanted && blank());

@@ -56,10 +56,7 @@ class Trajectory:
 
     def carried(self, Ts: Array) -> Trajectory:
         """The motion in another frame: Ts (N, 4, 4) of that frame and this one at every pose."""
-        R = self.Rs_parent_part.copy()
-        R[:, 0] = Ts[:, :3, :3] @ R[:, 0]
-        ps = (Ts[:, :3, :3] @ self.ps_camera_root[..., None])[..., 0] + Ts[:, :3, 3]
-        return Trajectory(self.first_frame, R, ps)
+        return Trajectory(self.first_frame, *carried(self.Rs_parent_part, self.ps_camera_root, Ts))
 
     def transforms(self, skeleton: Skeleton) -> Array:
         """Ts_camera_part (N, P, 4, 4)."""
@@ -68,6 +65,14 @@ class Trajectory:
     def joints(self, skeleton: Skeleton) -> Array:
         """Joints and landmarks (N, J, 3) in the camera frame, metres."""
         return joint_positions(skeleton, self.transforms(skeleton))
+
+
+def carried(Rs_parent_part: Array, ps_root: Array, Ts: Array) -> tuple[Array, Array]:
+    """Rotations (N, P, 3, 3) and root positions (N, 3) in another frame, by Ts (N, 4, 4) of that
+    frame and theirs."""
+    Rs = Rs_parent_part.copy()
+    Rs[:, 0] = Ts[:, :3, :3] @ Rs[:, 0]
+    return Rs, (Ts[:, :3, :3] @ ps_root[..., None])[..., 0] + Ts[:, :3, 3]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,21 +96,21 @@ class Pass:
 
 def interpolate(start: Pose, end: Pose, first_frame: int, last_frame: int) -> Trajectory:
     """Each part's one-axis rotation and the root's straight line, divided evenly.  DRIFT §2.2"""
-    return _blended(start, end, first_frame, _shares(first_frame, last_frame))
+    return Trajectory(first_frame, *blended(start, end, _shares(first_frame, last_frame)))
 
 
 def _shares(first_frame: int, last_frame: int) -> Array:
     return np.arange(last_frame - first_frame + 1) / (last_frame - first_frame)
 
 
-def _blended(start: Pose, end: Pose, first_frame: int, shares: Array) -> Trajectory:
-    """Poses on the way from one to the other, the first and the last of them exact."""
+def blended(start: Pose, end: Pose, shares: Array) -> tuple[Array, Array]:
+    """Rotations (S, P, 3, 3) and root positions (S, 3) at shares (S,) of the way from one pose to
+    the other; both poses themselves at 0 and 1."""
     Rs = rotation_between(start.Rs_parent_part, end.Rs_parent_part, shares)
-    Rs[0], Rs[-1] = start.Rs_parent_part, end.Rs_parent_part
-    step = end.p_camera_root - start.p_camera_root
-    ps = start.p_camera_root + shares[:, None] * step
-    ps[-1] = end.p_camera_root
-    return Trajectory(first_frame, Rs, ps)
+    ps = start.p_camera_root + shares[:, None] * (end.p_camera_root - start.p_camera_root)
+    for share, pose in ((0, start), (1, end)):
+        Rs[shares == share], ps[shares == share] = pose.Rs_parent_part, pose.p_camera_root
+    return Rs, ps
 
 
 def displaced(motion: Trajectory, start: Pose, end: Pose, first: int, last: int) -> Trajectory:
@@ -122,8 +127,8 @@ def displaced(motion: Trajectory, start: Pose, end: Pose, first: int, last: int)
         for n, pose in ((0, start), (-1, end))
     ]
     shares = _shares(first, last)
-    by = _blended(misses[0], misses[1], first, shares**2 * (3 - 2 * shares))
-    R, p = Rs @ by.Rs_parent_part, ps + by.ps_camera_root
+    turns, steps = blended(misses[0], misses[1], shares**2 * (3 - 2 * shares))
+    R, p = Rs @ turns, ps + steps
     R[0], R[-1] = start.Rs_parent_part, end.Rs_parent_part
     p[0], p[-1] = start.p_camera_root, end.p_camera_root
     return Trajectory(first, R, p)

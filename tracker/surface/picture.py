@@ -76,10 +76,10 @@ class SurfaceVideo(Video):
         """The surfaces in the camera frame, metres."""
         return self._drawn.steps
 
-    def frame(self, index: int) -> Picture:
+    def frame(self, index: int, shrink: int = 1) -> Picture:
         """Return a frame as Video.frame; MissingFrame says what is wrong with the step's mesh."""
         try:
-            return super().frame(index)
+            return super().frame(index, shrink)
         except MissingFrame:
             words = self._drawn.problem(index)
             raise MissingFrame(words, words) from None

@@ -13,6 +13,7 @@ from typing import Any, cast
 
 import av
 import av.error
+import cv2
 import numpy as np
 from av.filter import Graph
 from av.sidedata.sidedata import Type as SideDataType
@@ -163,6 +164,17 @@ def _values(frame: av.VideoFrame) -> NDArray[np.uint16]:
     """(height, width, channels) of a deep frame."""
     values = np.asarray(frame.to_ndarray(), dtype=np.uint16)
     return values.reshape(*values.shape[:2], -1)
+
+
+def shrunk(picture: Picture, by: int) -> Picture:
+    """The picture with a pixel for every by × by, their mean, read-only; itself where by is 1."""
+    if by == 1:
+        return picture
+    height, width = picture.shape[:2]
+    size = (max(width // by, 1), max(height // by, 1))
+    small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    small.setflags(write=False)
+    return small
 
 
 class PictureMaker:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol, Self, TypeAlias
 
 from keypose.tracker.errors import VideoError
 from keypose.tracker.session.references import Repeats
@@ -16,8 +16,11 @@ from keypose.tracker.video.damage import Examined
 from keypose.tracker.video.decode import FileSource, IndexMismatch
 from keypose.tracker.video.folder import FolderSource
 from keypose.tracker.video.info import MissingFrame, VideoInfo
-from keypose.tracker.video.picture import Picture
+from keypose.tracker.video.picture import Picture, shrunk
 from keypose.tracker.video.repeats import repeats_of
+
+_Which: TypeAlias = tuple[int, int]
+"""Number of a frame, and by how much its picture is shrunk."""
 
 
 class PictureCache:
@@ -26,18 +29,18 @@ class PictureCache:
     def __init__(self, byte_limit: int) -> None:
         self._byte_limit = byte_limit
         self._bytes = 0
-        self._pictures: OrderedDict[int, Picture] = OrderedDict()
+        self._pictures: OrderedDict[_Which, Picture] = OrderedDict()
 
-    def get(self, number: int) -> Picture | None:
-        picture = self._pictures.get(number)
+    def get(self, which: _Which) -> Picture | None:
+        picture = self._pictures.get(which)
         if picture is not None:
-            self._pictures.move_to_end(number)
+            self._pictures.move_to_end(which)
         return picture
 
-    def put(self, number: int, picture: Picture) -> None:
-        old = self._pictures.pop(number, None)
+    def put(self, which: _Which, picture: Picture) -> None:
+        old = self._pictures.pop(which, None)
         self._bytes += picture.nbytes - (0 if old is None else old.nbytes)
-        self._pictures[number] = picture
+        self._pictures[which] = picture
         while self._bytes > self._byte_limit and len(self._pictures) > 1:
             _, dropped = self._pictures.popitem(last=False)
             self._bytes -= dropped.nbytes
@@ -48,6 +51,9 @@ class PictureCache:
 
 
 CACHE_BYTES = 256 * 1024 * 1024
+MOST_BEHIND = 64
+"""Frames before one that are kept with it: to make pictures of a whole group takes longer than to
+decode it."""
 
 
 class _Source(Protocol):
@@ -131,15 +137,16 @@ class Video:
         """Return whether it is closed."""
         return self._closed
 
-    def frame(self, index: int) -> Picture:
-        """Frame `index` as (height, width, 3) uint8 RGB, read-only.
+    def frame(self, index: int, shrink: int = 1) -> Picture:
+        """Frame `index` as (height, width, 3) uint8 RGB, read-only; with a pixel for every
+        shrink × shrink.
 
         Frames decoded on the way are cached. Raises MissingFrame when
         this frame cannot be decoded, VideoError when there is no such frame.
         """
         with self._lock:
-            frames_kept = self._cache_bytes // (3 * self.info.width * self.info.height)
-            picture = self._get(index, since=min(index, index - frames_kept + 1))
+            room = self._cache_bytes * shrink**2 // (3 * self.info.width * self.info.height)
+            picture = self._get(index, min(index, index - min(room, MOST_BEHIND) + 1), shrink)
         if picture is None:
             raise MissingFrame(
                 f'Frame {index} of "{self.info.path.name}" is damaged and cannot be decoded: '
@@ -236,15 +243,15 @@ class Video:
             yield number, picture
             number += step
 
-    def _get(self, number: int, since: int) -> Picture | None:
+    def _get(self, number: int, since: int, shrink: int = 1) -> Picture | None:
         """The picture, or None when missing; those met on the way from `since` on are kept."""
         self._check(number)
-        picture = self._cache.get(number)
+        picture = self._cache.get((number, shrink))
         if picture is not None or number in self.missing:
             return picture
         try:
             for met, picture in self._source.approach(number, since):
-                self._cache.put(met, picture)
+                self._cache.put((met, shrink), shrunk(picture, shrink))
         except IndexMismatch:
             self._source.reindex()
             self._cache.clear()
@@ -252,8 +259,8 @@ class Video:
             self._numbering += 1
             self._examined, self._damaged, self._with_damaged = set(), set(), None
             self._changes = {}
-            return self._get(number, since)
-        return self._cache.get(number)
+            return self._get(number, since, shrink)
+        return self._cache.get((number, shrink))
 
     def _check(self, number: int) -> None:
         name, count = self.info.path.name, self.info.frame_count

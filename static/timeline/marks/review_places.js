@@ -3,7 +3,7 @@
 import { svg } from '../../vendor/lit-html/lit-html.js';
 import { settle } from '../../actions/playhead.js';
 import { isReviewing, place as current, places, visitOrOpen } from '../../actions/review.js';
-import { answerOf } from '../../actions/review_list.js';
+import { unanswered } from '../../actions/review_list.js';
 import { server, ui } from '../../store/state.js';
 import { nearest, RULER, seenOf, x } from '../draw/scale.js';
 import { scrub } from './frames.js';
@@ -30,7 +30,7 @@ export const reviewPlace = {
 /** Those that wait for an answer, while they are reviewed or the review was left. */
 function open() {
   if (!isReviewing()) return ui.reviewLeft ? places() : [];
-  return places().filter(({ id }) => !answerOf(ui.review, id));
+  return unanswered(ui.review, places());
 }
 
 const draw = ({ id, frame }) => svg`<path class="review-place ${id === current()?.id ? 'on' : ''}"

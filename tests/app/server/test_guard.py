@@ -118,7 +118,7 @@ def refused(answer: Answer) -> bool:
 def test_a_browser_that_was_let_in_gets_the_page_its_files_and_its_sockets() -> None:
     assert ask("/").text == "inside"
     assert ask("/static/views/cameras.js").status == 200
-    assert ask("/frame/17.jpg", "v=plain").status == 200
+    assert ask("/frame/17.jpg", "v=plain&shrink=2").status == 200
     assert ask("/picture.png", "view=all&frames=3&style=both&opacity=50&tint=clay").status == 200
     assert ask("/picture.png", "view=orbit:52.5,20").status == 200
     assert ask("/motion", "format=bvh").status == 200

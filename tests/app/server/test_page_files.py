@@ -10,7 +10,7 @@ import pytest
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
-from keypose.app.server.routes import PageFiles
+from keypose.app.server.page_files import PageFiles
 
 INDEX = '<script type="module" src="/files/page.js"></script>'
 
@@ -79,6 +79,51 @@ def test_a_browser_asks_again_for_what_it_asked_for_without_a_version(folder: Pa
     assert (unchanged.status_code, unchanged.headers["cache-control"]) == (304, "no-cache")
     (folder / "page.js").write_text("another")
     assert asked(files, "page.js", if_none_match=known).status_code == 200
+
+
+def test_style_sheets_come_as_one_with_the_rules_of_all_in_their_order(folder: Path) -> None:
+    for name, rules in {
+        "one.css": '@import url("parts/two.css");\na {}\n',
+        "parts/two.css": "b {}\n",
+        "three.css": "c {}\n",
+    }.items():
+        (folder / "style" / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / "style" / name).write_text(rules)
+    links = [f'<link rel="stylesheet" href="/files/style/{n}.css" />\n' for n in ("one", "three")]
+    (folder / "index.html").write_text(f"<head>{''.join(links)}{INDEX}</head>")
+    files = PageFiles(folder, "/files")
+    page = files.page()
+    (address,) = re.findall(r'<link rel="stylesheet" href="/files/([^"]+)" />', page)
+    assert address_in(page).split("/")[0] == address.split("/")[0]
+    answer = asked(files, address)
+    assert bytes(answer.body).decode().split("\n") == ["b {}", "", "a {}", "c {}", ""]
+    assert answer.headers["content-type"].startswith("text/css")
+    assert "immutable" in answer.headers["cache-control"]
+
+
+def test_the_page_has_one_style_sheet_and_leaves_none_out() -> None:
+    static = Path(__file__).parents[3] / "static"
+    files = PageFiles(static, "/static")
+    (address,) = re.findall(r'<link rel="stylesheet" href="/static/([^"]+)" />', files.page())
+    whole = bytes(asked(files, address).body).decode()
+    assert "@import" not in whole
+    texts = (sheet.read_text("utf-8") for sheet in (static / "style").rglob("*.css"))
+    rules = [re.sub(r"@import .*\n", "", text).strip() for text in texts]
+    assert [each for each in rules if each.splitlines()[-1] not in whole] == []
+
+
+def test_the_page_names_every_module_that_its_own_leads_to_and_no_other() -> None:
+    static = Path(__file__).parents[3] / "static"
+    page = PageFiles(static, "/static").page()
+    named = re.findall(r'<link rel="modulepreload" href="/static/[0-9a-f]{16}/([^"]+)" />', page)
+    assert len(named) == len(set(named)) > 100
+    importing = re.compile(r"""(?:from|^import)\s+'(\.[^']+)';""", re.MULTILINE)
+    led_to = {
+        (static / name).parent.joinpath(to).resolve().relative_to(static).as_posix()
+        for name in ("page.js", *named)
+        for to in importing.findall((static / name).read_text("utf-8"))
+    }
+    assert set(named) == led_to
 
 
 def test_no_file_of_the_page_names_another_by_an_address_without_a_version() -> None:

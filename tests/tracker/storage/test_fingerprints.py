@@ -332,8 +332,14 @@ def test_what_the_picture_gives_is_known_by_frame_and_part() -> None:
     np.testing.assert_array_equal(seen[:9, 0], 0.5)
     assert np.isnan(seen[9:]).all()
     assert np.isnan(seen[:, 1]).all()  # a part that is not tracked
-    assert listed(seen[7:10, 0]) == [0.5, 0.5, None]
-    assert listed(residual(both(of).fitting(of), 9, PARTS)[:1, 0]) == [2.5]
+    assert listed(seen[7:12, 0]) == [[0, 0.5, 0.5]]
+    assert listed(residual(both(of).fitting(of), 9, PARTS)[:1, 0]) == [[0, 2.5]]
+
+
+def test_of_a_series_what_is_known_is_listed_behind_the_frame_it_begins_at() -> None:
+    column = np.array([np.nan, 1.23456, 2.0, np.nan, np.nan, 5.0])
+    assert listed(column, 2) == [[1, 1.23, 2.0], [5, 5.0]]
+    assert listed(np.full(3, np.nan)) == listed(np.zeros(0)) == []
 
 
 def test_a_trajectory_on_the_way_measures_nothing() -> None:

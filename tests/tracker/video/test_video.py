@@ -150,6 +150,28 @@ def test_scrubbing_back_over_what_was_decoded_on_the_way_decodes_nothing(tmp_pat
         assert numbers(video, [*range(38, -1, -1)]) == [*range(38, -1, -1)]
 
 
+@pytest.mark.parametrize("name", ["clip.mp4", "turned.mp4", "folder"])
+def test_a_shrunk_picture_is_of_the_frame_asked_for_and_as_upright(
+    tmp_path: Path, name: str
+) -> None:
+    pictures = [numbered_picture(number, 128, 96) for number in range(12)]
+    if name == "folder":
+        path = tmp_path / name
+        path.mkdir()
+        for number, picture in enumerate(pictures):
+            write_image(path / f"{number}.png", picture)
+    else:
+        path = write_clip(tmp_path / name, pictures, turn=(180,) if "turned" in name else None)
+    with Video.open(path) as video:
+        for number in (7, 3, 8):
+            whole, half = video.frame(number), video.frame(number, shrink=2)
+            assert half.shape == (48, 64, 3)
+            assert not half.flags.writeable
+            averaged = cv2.resize(whole, (64, 48), interpolation=cv2.INTER_AREA)
+            np.testing.assert_array_equal(half, averaged)
+            np.testing.assert_array_equal(video.frame(number), whole)
+
+
 @pytest.fixture(scope="module")
 def short_gop_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("clip") / "clip.mp4"
@@ -189,10 +211,10 @@ def test_the_cache_stays_within_its_bytes_and_forgets_the_oldest() -> None:
     cache = PictureCache(byte_limit=3 * 300)
     pictures = {number: np.zeros((10, 10, 3), np.uint8) for number in range(5)}
     for number in (0, 1, 2):
-        cache.put(number, pictures[number])
-    cache.get(0)
-    cache.put(3, pictures[3])
-    assert [number for number in range(5) if cache.get(number) is not None] == [0, 2, 3]
+        cache.put((number, 1), pictures[number])
+    cache.get((0, 1))
+    cache.put((3, 1), pictures[3])
+    assert [number for number in range(5) if cache.get((number, 1)) is not None] == [0, 2, 3]
 
 
 # --- what is told of a video ------------------------------------------------------------------

@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult, side_by_side
@@ -74,14 +75,12 @@ def root_positions(fitting: Fitting, frame_count: int) -> Array:
     return side_by_side(rows, frame_count, (3,))
 
 
-def listed(column: Array, decimals: int = 3) -> list[float | None]:
-    """A column of a table as JSON takes it: rounded, None where nothing is known."""
-    return [
-        None if unknown else value
-        for value, unknown in zip(
-            np.round(column, decimals).tolist(), np.isnan(column).tolist(), strict=True
-        )
-    ]
+def listed(column: Array, decimals: int = 3) -> list[list[float]]:
+    """Lay out one value a frame as JSON takes it, without the frames of which nothing is known: of
+    every run of known values its first frame, then the values, rounded."""
+    rounded = np.round(column, decimals)
+    found = runs(np.isfinite(rounded))
+    return [[first, *rounded[first : last + 1].tolist()] for first, last in found]
 
 
 def _by_frame(steps: Array) -> Array:
