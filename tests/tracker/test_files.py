@@ -219,7 +219,7 @@ def test_what_others_may_read_is_not_taken_for_private(tmp_path: Path) -> None:
 OWN_READS = {
     "app/export/opensim_files.py": "a file that was just written",
     "app/export/report/markup.py": "the program's own sheets and pictures",
-    "app/server/routes.py": "the page, which comes with the program",
+    "app/server/page_files.py": "the page, which comes with the program",
     "tracker/body/body.py": "a body that comes with the program",
     "tracker/formats/marker_files.py": "a file that was just written",
     "tracker/formats/joint_names.py": "a table that comes with the program",

@@ -234,7 +234,7 @@ def test_nothing_asks_which_shape_it_has_before_it() -> None:
     """Single shapes are named only where bodies are made and the loops warmed up; a further one
     takes its file and its name in the list."""
     makers = {
-        "tracker/warm.py", "tracker/body/presets/make_presets.py",
+        "tracker/warming.py", "tracker/body/presets/make_presets.py",
         "tracker/body/presets/animals.py", "tracker/body/modify.py", "tracker/body/body.py",
     }  # fmt: skip
     kinds = {kind.__name__ for kind in LISTED}
