@@ -191,6 +191,7 @@ class DraftClip(Fit):
 
     kind = "draft"
     title = "Drafting poses"
+    needs_loops = False  # before the last tenth of it
     keeps_found = True
     why_cancelled = "Draft cancelled because the body, the camera or a keyframe changed."
     not_of_surfaces = "Drafts are made from a video, not from surfaces."

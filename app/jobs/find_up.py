@@ -49,6 +49,7 @@ class FindUp(Fit):
     frame: int = 0
 
     title = "Looking for upright lines"
+    needs_loops = False
     why_cancelled = "Cancelled because the camera changed."
     not_of_surfaces = "A film is needed to find upright lines in it."
 

@@ -106,9 +106,11 @@ class Job:
     """Made in the server, sent to the worker, done there.
 
     fault: said of an internal error, with its kind.  died: said when the worker died.
+    needs_loops: whether it waits until the compiled loops are ready.
     """
 
     kind: ClassVar[Kind]
+    needs_loops: ClassVar[bool] = True
     fault: ClassVar[str]
     died: ClassVar[str]
 

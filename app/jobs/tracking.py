@@ -46,7 +46,7 @@ class Tracking:
             raise RuntimeError("tracking is closed")
         self._last_job += 1
         self._open[self._last_job] = job
-        if self._warming is not None:
+        if self._warming is not None and job.needs_loops:
             self._loop.call_soon(self._report, replace(self._warming, job=self._last_job))
         self._ensure_worker().send(Order(self._last_job, job))
         return self._last_job
@@ -101,7 +101,8 @@ class Tracking:
         if isinstance(report, Finished | Failed):
             self._open.pop(report.job, None)
         elif isinstance(report, Warming):
-            report = replace(report, job=self.job)
+            waits = self.job is not None and self._open[self.job].needs_loops
+            report = replace(report, job=self.job if waits else None)
             self._warming = report if report.words else None
         self._report(report)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import traceback
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -80,6 +81,7 @@ class LatestOrder:
 THREADS = 2
 """Segments side by side. More would gain little and take the page's share of a small computer."""
 
+POLL_S = 0.05
 LONGEST_PAUSE_S = 1.0
 """A pass waits no longer than this for a drag: tracking slows down, it does not stop."""
 
@@ -93,7 +95,8 @@ def work(connection: Connection, niceness: int) -> None:
 
 
 class Worker:
-    """Receives on the main thread, works on another, and on THREADS more beneath that one."""
+    """Receives on the main thread, works on another, and on THREADS more beneath that one; gets the
+    compiled loops ready beside, for which only some jobs wait."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
@@ -101,10 +104,12 @@ class Worker:
         self._latest = LatestOrder()
         self._may_go_on = Event()
         self._may_go_on.set()
+        self._warmed = Event()
 
     def serve(self) -> None:
         """Until there is nobody left to serve."""
-        Thread(target=self._work, daemon=True).start()
+        for work in (self._warm, self._take_orders):
+            Thread(target=self._do_or_end, args=(work,), daemon=True).start()
         try:
             while True:
                 self._handle(receive(self._connection))
@@ -123,10 +128,9 @@ class Worker:
         if dropped is not None:
             self._send(Finished(dropped.job, cancelled=True))
 
-    def _work(self) -> None:
+    def _do_or_end(self, work: Callable[[], None]) -> None:
         try:
-            self._warm()
-            self._take_orders()
+            work()
         except BaseException:  # noqa: BLE001 — the other end notices that nobody is here
             traceback.print_exc()
             os._exit(1)
@@ -138,6 +142,7 @@ class Worker:
         _measure_drafting()
         self._send(Warming("Getting the tracker ready." if is_warm() else preparing_words()))
         warm_tracking(lambda percent: self._send(Warming(preparing_words(percent))))
+        self._warmed.set()
         self._send(Warming(""))
 
     def _take_orders(self) -> None:
@@ -149,7 +154,17 @@ class Worker:
             while True:
                 order, cancelled = self._latest.take()
                 given = (worker_cache, threads, cancelled.is_set, self._send, self._hold)
-                do(order.asked, Context(order.job, *given))
+                if self._is_ready_for(order.asked, cancelled):
+                    do(order.asked, Context(order.job, *given))
+                else:
+                    self._send(Finished(order.job, cancelled=True))
+
+    def _is_ready_for(self, job: Job, cancelled: Event) -> bool:
+        """Wait until a job can be done; whether nobody cancelled it meanwhile."""
+        while job.needs_loops and not cancelled.is_set():
+            if self._warmed.wait(POLL_S):
+                break
+        return not cancelled.is_set()
 
     def _hold(self) -> None:
         self._may_go_on.wait(LONGEST_PAUSE_S)

@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import AsyncIterator, Callable
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -93,7 +94,7 @@ async def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
     assert office.tracking.job == job
     assert await office.ended(job) == Finished(job)
     assert office.tracking.job is None
-    assert [type(r) for r in office.reported[:3]] == [Warming, Warming, Progress]
+    assert [kind for kind, _ in groupby(map(type, office.reported))][:2] == [Warming, Progress]
     found = [(one.span, one.quality) for one in segments(office.of(job, Progress))]
     assert sorted(found) == [
         *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
@@ -149,7 +150,7 @@ async def test_a_job_that_has_to_wait_for_the_worker_is_reported_so(
     job = office.tracking.start(Track.of(of, video, wanted(of)))
     await office.ended(job)
     said = [bool(report.words) for report in office.of(job, Warming)]
-    assert said in ([True, False], [])  # or it was ready just then
+    assert said in ([*[True] * (len(said) - 1), False], [])  # or it was ready just then
 
 
 async def test_a_cancelled_job_ends_and_the_next_one_works(
