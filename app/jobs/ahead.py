@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session import Session
@@ -67,9 +67,7 @@ class FollowAhead(Fit):
         cues = doc.settings, doc.view.keypoint_corrections
         return (
             doc.subject.body,
-            doc.view.camera,
-            doc.view.camera_motion,
-            doc.view.camera_keyframes,
+            *filmed_by(doc),
             doc.view.ignore_masks,
             doc.subject.keyframes,
             *cues,

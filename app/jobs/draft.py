@@ -21,7 +21,7 @@ from keypose.app.editor.drafted import (
     require_rest,
     with_clip_drafted,
 )
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.app.jobs.progress import seconds_left
 from keypose.tracker.errors import KeypointError
@@ -225,9 +225,7 @@ class DraftClip(Fit):
         )  # fmt: skip
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        view, subject = doc.view, doc.subject
-        camera = view.camera, view.camera_motion, view.camera_keyframes
-        return subject.body, *camera, view.surface, subject.keyframes
+        return doc.subject.body, *filmed_by(doc), doc.view.surface, doc.subject.keyframes
 
     def apply(self, found: Drafted, state: AppState) -> tuple[AppState, str]:
         assert state.opened is not None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from keypose.app.editor.frames import to_world
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import camera_words
 from keypose.tracker.session import Session
@@ -62,8 +62,7 @@ class FindUp(Fit):
         return upright_lines(session, video, None if session.has_static_camera else self.frame)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        view = doc.view
-        return view.camera, view.camera_motion, view.camera_keyframes, doc.world.up_world
+        return *filmed_by(doc), doc.world.up_world
 
     def apply(self, found: UprightLines | None, state: AppState) -> tuple[AppState, str]:
         if found is None:

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from keypose.app.store.state import AppState
 
 
+def filmed_by(doc: Session) -> tuple[Any, ...]:
+    """Return all that says how the camera films: its lens, and its motion as corrected."""
+    return doc.view.camera, doc.view.camera_motion, doc.view.camera_keyframes
+
+
 @dataclass(frozen=True)
 class Fit(Job):
     """What a person waits for. It is taken over only where what it began from still stands.

@@ -11,7 +11,7 @@ import numpy as np
 
 from keypose.app.editor.posing import pose_to_fit, with_pose_fitted
 from keypose.app.editor.shown import find, shown_pose
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -115,9 +115,7 @@ class FitPose(Fit):
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
             doc.subject.body,
-            doc.view.camera,
-            doc.view.camera_motion,
-            doc.view.camera_keyframes,
+            *filmed_by(doc),
             doc.view.ignore_masks,
             doc.view.surface,
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from keypose.app.editor.body import require_sizes_to_fit, with_sizes_fitted
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeyposeError
@@ -54,9 +54,7 @@ class FitSizes(Fit):
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
             doc.subject.body,
-            doc.view.camera,
-            doc.view.camera_motion,
-            doc.view.camera_keyframes,
+            *filmed_by(doc),
             doc.view.ignore_masks,
             doc.view.surface,
             doc.subject.keyframes,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.drafted import has_drafts_for_other_up, to_lift, with_lifted
 from keypose.app.jobs.draft import DraftReporter
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import lifted_words
 from keypose.tracker.body.pose import Pose
@@ -89,9 +89,7 @@ class LiftDrafts(Fit):
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
             doc.subject.body,
-            doc.view.camera,
-            doc.view.camera_motion,
-            doc.view.camera_keyframes,
+            *filmed_by(doc),
             doc.world.up_world,
             doc.subject.keyframes,
             doc.subject.drafts,

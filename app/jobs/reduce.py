@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.reduced import Reducible, reducible, with_reduction
-from keypose.app.jobs.fit import Fit, sent
+from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
@@ -68,8 +68,7 @@ class ReduceMotion(Fit):
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
             doc.subject.body,
-            doc.view.camera_motion,
-            doc.view.camera_keyframes,
+            *filmed_by(doc),
             doc.subject.keyframes,
             doc.subject.part_keyframes,
             doc.subject.drafts,

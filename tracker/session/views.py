@@ -42,7 +42,7 @@ class View(Plain):
         default=None,
         exclude_if=is_unknown,
         description="What the camera's focal length rests on: fitted, with the sizes to keyframes; "
-        "turns, as the camera's own turning tells. Left out where nobody was asked.",
+        "turns, estimated from the camera's own motion. Left out where nobody was asked.",
     )
     keypoints: KeypointFile | None = Field(
         default=None,

@@ -61,11 +61,11 @@ PASS_SHARE: Final = 0.5
 MOST_LENSES: Final = 3
 """Focal lengths with which a film is looked at, where that is a guess."""
 SURE: Final = 3.0
-"""Standard deviations by which its turns have to tell another focal length."""
+"""Standard deviations by which the focal length estimated from the motion has to differ."""
 LEAST_OFF: Final = 0.01
 """A focal length that is off by less stays."""
 LEAST_GAIN: Final = 0.8
-"""Share of the error of a guessed lens that one told by the turns may leave."""
+"""Share of the error with a guessed lens that one estimated from the motion may leave."""
 MOST_KEPT: Final = 40
 """Films whose points are kept."""
 LARGEST_BYTES: Final = 2**30
@@ -79,9 +79,10 @@ class FoundCamera:
     """What was found of a session's camera.
 
     motion: None where it stands still.  points: of the background, good and refused; None once they
-        are kept.  findings: of all that is doubtful.  focal: the focal length that its turns tell,
-        as a share of the camera's, and the standard deviation of that; None where they do not.
-    lens: the camera as its turns tell it, where its focal length was a guess and is off; else None.
+        are kept.  findings: of all that is doubtful.  focal: the focal length estimated from its
+        turns, as a share of the camera's, and the standard deviation; None where it is not known.
+    lens: the camera as estimated from its motion, where its focal length was a guess and is off;
+        else None.
     """
 
     kind: CameraKind

@@ -19,7 +19,6 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.edit_history import Recovered, recover, with_results_of
 from keypose.tracker.storage.evidence import files_of
-from keypose.tracker.storage.evidence.files import FilmFiles
 from keypose.tracker.storage.journal import NAME as JOURNAL
 from keypose.tracker.storage.journal import Read, read_journal
 
@@ -264,13 +263,7 @@ def _open_as(session: Session, session_path: Path, path: Path) -> Video:
 
 def open_same_at(session: Session, path: Path, folder: Path) -> Video:
     """Open as `open_video_at`; SessionError where it is not what the session was made for."""
-    video = open_video_at(session, path, folder)
-    try:
-        _require_same(session, path, video)
-    except BaseException:
-        video.close()
-        raise
-    return video
+    return _same(session, path, open_video_at(session, path, folder))
 
 
 def open_video_at(session: Session, path: Path, folder: Path) -> Video:
@@ -287,11 +280,8 @@ def open_for_work(session: Session, path: Path, folder: Path) -> Video:
     SessionError where it may have been exported again and is not what the session was made for,
     such as with more surfaces than it has steps: every one after that would be another one's.
     """
-    files = files_of(session)
-    if isinstance(files, FilmFiles) and session.settings.cues_used == ("brightness",):
-        return files.open_to_read_once(session, path)
-    opened = open_video_at if session.evidence.is_known_by_fingerprint else open_same_at
-    return opened(session, path, folder)
+    video = files_of(session).open_for_work(session, path, folder)
+    return video if session.evidence.is_known_by_fingerprint else _same(session, path, video)
 
 
 def _exists(path: Path) -> bool:
@@ -299,6 +289,16 @@ def _exists(path: Path) -> bool:
         return path.exists()
     except OSError:  # such as a name too long for any file
         return False
+
+
+def _same(session: Session, path: Path, video: Video) -> Video:
+    """The video; closed, and SessionError, where it is not what the session was made for."""
+    try:
+        _require_same(session, path, video)
+    except BaseException:
+        video.close()
+        raise
+    return video
 
 
 def _require_same(session: Session, path: Path, video: Video) -> None:

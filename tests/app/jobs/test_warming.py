@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from threading import Event, Thread
-from typing import Any, ClassVar
 
 import pytest
 
@@ -16,15 +15,10 @@ from keypose.app.jobs.track import Track
 from keypose.app.jobs.worker import Cancel, Order, Worker
 
 
-class Tracks(Job):
-    fault: ClassVar[str] = "Failed ({})."
-
-    def run(self, context: Any) -> str:
-        return "done"
-
-
-class Looks(Tracks):
-    needs_loops = False
+def job(kind: type[Job], monkeypatch: pytest.MonkeyPatch) -> Job:
+    """One of a kind that has nothing to do."""
+    monkeypatch.setattr(kind, "run", lambda *_: "done")
+    return object.__new__(kind)
 
 
 class Desk(Worker):
@@ -58,23 +52,24 @@ def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
     made.compiled.set()
 
 
-def test_a_job_that_needs_no_loops_is_done_while_they_are_compiled(desk: Desk) -> None:
-    desk._handle(Order(1, Looks()))
+@pytest.mark.parametrize("kind", [DraftClip, FindUp])
+def test_drafting_and_the_search_for_up_begin_while_loops_are_compiled_and_tracking_waits(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, kind: type[Job]
+) -> None:
+    desk._handle(Order(1, job(kind, monkeypatch)))
     assert desk.next_report() == Finished(1, "done")
-    desk._handle(Order(2, Tracks()))
+    desk._handle(Order(2, job(Track, monkeypatch)))
     assert not desk.said.wait(0.05)
     desk.compiled.set()
     assert desk.next_report() == Finished(2, "done")
 
 
-def test_a_job_that_waits_for_them_can_be_cancelled(desk: Desk) -> None:
-    desk._handle(Order(1, Tracks()))
+def test_a_job_that_waits_for_them_can_be_cancelled(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk._handle(Order(1, job(Track, monkeypatch)))
     assert not desk.said.wait(0.05)
     desk._handle(Cancel(1))
     assert desk.next_report() == Finished(1, cancelled=True)
-    desk._handle(Order(2, Looks()))
+    desk._handle(Order(2, job(FindUp, monkeypatch)))
     assert desk.next_report() == Finished(2, "done")
-
-
-def test_drafting_and_the_search_for_up_begin_at_once_and_tracking_waits() -> None:
-    assert [job.needs_loops for job in (DraftClip, FindUp, Track)] == [False, False, True]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from threading import Event
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage import tracking
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.tracking.initial import chains
+from keypose.tracker.tracking.per_clip import PerClip
 from keypose.tracker.tracking.pool import (
     PassFinished,
     Progress,
@@ -168,12 +171,15 @@ def test_while_a_keyframe_is_moved_the_body_is_not_followed_anew_from_those_besi
 ) -> None:
     tracker, followed = person.tracker(0, 6, 12), list[tuple[int, int]]()
 
-    def follow(scene: Any, clip: Any, start: Pose, first: int, last: int, *how: Any) -> Any:
-        followed.append((first, last))
-        return really_follow(scene, clip, start, first, last, *how)
+    def find(clip: Any, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
+        def counted() -> Any:
+            followed.append(key[2:4])
+            return work()
 
-    really_follow = chains._follow
-    monkeypatch.setattr(chains, "_follow", follow)
+        return kept.get(clip, key, counted)
+
+    kept = PerClip[Any](most=8)
+    monkeypatch.setattr(chains, "_CHAINS", SimpleNamespace(get=find))
     tracked(tracker)
     assert sorted(followed) == [(0, 6), (6, 0), (6, 12), (12, 6)]
     moved = nudged(person.truth.pose(6))

@@ -25,6 +25,10 @@ class EvidenceFiles(Protocol):
         """Its pictures. VideoError or SurfaceError in one sentence when it cannot be read."""
         ...
 
+    def open_for_work(self, session: Session, path: Path, folder: Path) -> Video:
+        """The same for work on the session, which keeps no more decoded pictures than it needs."""
+        ...
+
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
         """The fingerprint of what lies at a path; None where it is not of this kind. OSError where
         it cannot be read."""
@@ -50,6 +54,7 @@ def identity(path: Path) -> Any:
 
 
 READ_ONCE_BYTES = 32 * 2**20
+"""Of decoded pictures, for work that goes through them once."""
 
 
 class FilmFiles:
@@ -60,8 +65,10 @@ class FilmFiles:
 
         return Video.open(path, deinterlace=session.view.video.deinterlace)
 
-    def open_to_read_once(self, session: Session, path: Path) -> Video:
-        """Its pictures for whoever goes through them once: few stay decoded."""
+    def open_for_work(self, session: Session, path: Path, folder: Path) -> Video:
+        """Brightness alone reads pictures once; a network looks at them again."""
+        if session.settings.cues_used != ("brightness",):
+            return self.open(session, path, folder)
         from keypose.tracker.video import Video
 
         return Video.open(path, READ_ONCE_BYTES, deinterlace=session.view.video.deinterlace)
@@ -89,6 +96,8 @@ class SurfaceFiles:
         from keypose.tracker.surface.picture import open_surfaces  # loads only when needed
 
         return open_surfaces(session, path, folder)
+
+    open_for_work = open
 
     def fingerprint_at(self, session: Session, path: Path) -> str | None:
         from keypose.tracker.surface.files.sequence import MeshSequence

@@ -58,39 +58,29 @@ def follow(
     Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The
     chain is in frame order; the latest of each clip are kept.
     """
-    how = (first, last, stride, inner, stop, finest)
+
+    def followed() -> Chain:
+        forward = last > first
+        slots = clip.slots(min(first, last), max(first, last))
+        R, t = _empty(scene, len(slots))
+        R[0], t[0] = start.Rs_parent_part, start.p_camera_root
+        doubt = Doubt.equal(len(slots) - 1, R.shape[1])
+        follow_chain(
+            scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels, finest,
+            slots if forward else slots[::-1].copy(), R, t, stride, inner, stop,
+            doubt.turned, doubt.shifted,
+        )  # fmt: skip
+        step = 1 if forward else -1
+        doubt = Doubt(doubt.turned[::step], doubt.shifted[::step])
+        return Chain(min(first, last), R[::step], t[::step], doubt)
+
     pose = start.Rs_parent_part.tobytes() + start.p_camera_root.tobytes()
-    return _CHAINS.get(clip, (scene.followed, pose, how), lambda: _follow(scene, clip, start, *how))
+    key = (scene.followed, pose, first, last, stride, inner, stop, finest)
+    return _CHAINS.get(clip, key, followed)
 
 
 _CHAINS: Final[PerClip[Chain]] = PerClip(most=8)
 """Of both qualities those from the far keyframe stay while the near one is moved."""
-
-
-def _follow(
-    scene: Scene,
-    clip: Clip,
-    start: Pose,
-    first: int,
-    last: int,
-    stride: int,
-    inner: int,
-    stop: float,
-    finest: int,
-) -> Chain:
-    forward = last > first
-    slots = clip.slots(min(first, last), max(first, last))
-    R, t = _empty(scene, len(slots))
-    R[0], t[0] = start.Rs_parent_part, start.p_camera_root
-    doubt = Doubt.equal(len(slots) - 1, R.shape[1])
-    follow_chain(
-        scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels, finest,
-        slots if forward else slots[::-1].copy(), R, t, stride, inner, stop,
-        doubt.turned, doubt.shifted,
-    )  # fmt: skip
-    step = 1 if forward else -1
-    doubt = Doubt(doubt.turned[::step], doubt.shifted[::step])
-    return Chain(min(first, last), R[::step], t[::step], doubt)
 
 
 def follow_both(scene: Scene, segment: Segment, method: Keypose) -> Chains | None:
