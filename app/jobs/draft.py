@@ -33,6 +33,7 @@ from keypose.tracker.session.annotations import DraftRest as DraftLeft
 from keypose.tracker.session.annotations import FrameRun
 from keypose.tracker.session.settings import Position
 from keypose.tracker.storage.atomic import make_folder
+from keypose.tracker.storage.fingerprints import needs_masks
 from keypose.tracker.storage.pace import NETWORK_SHARE, keep_seconds_a_frame
 from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
 from keypose.tracker.tracking.pool import Cancelled, never
@@ -167,9 +168,18 @@ def drafted(
             up_world=session.world.up_world, path=session.camera_path,
             report=DraftReporter(report, never),
         )  # fmt: skip
-        return Drafted(found, network.fingerprint, part)
+        return Drafted(_outlined(found, session), network.fingerprint, part)
     detected.keep_pace(name, time.monotonic() - began)
-    return Drafted(found, network.fingerprint)
+    return Drafted(_outlined(found, session), network.fingerprint)
+
+
+def _outlined(draft: ClipDraft, session: Session) -> ClipDraft:
+    """The draft, with what the session's segments need of the person's masks: their outlines, or
+    nothing."""
+    seen, masks = draft.keypoints, None
+    if seen.masks is not None and needs_masks(session):
+        masks = tuple(mask and mask.outlined() for mask in seen.masks)
+    return replace(draft, keypoints=replace(seen, masks=masks))
 
 
 @dataclass(frozen=True)

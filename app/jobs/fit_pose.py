@@ -90,7 +90,7 @@ class FitPose(Fit):
         others = {
             k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame != self.frame
         }
-        given = sidecars.keypoints_of_session(session, Path(self.folder))
+        given = context.cache.keypoints(session, Path(self.folder))
         camera, steady = session.view.camera, sidecars.one_focal(session)
         source = steadied(keypoint_source(session, video, given), steady)
         found = fit_pose_to_picture(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.storage import sidecars
@@ -33,6 +34,7 @@ class WorkerCache:
         self._tracker: Tracker | None = None
         self._fitted_for: Any = None
         self._fitter: SurfaceFitter | None = None
+        self._keypoints: tuple[Path, Keypoints] | None = None
 
     def tracker(self, session: Session, video_path: str, folder: Path = Path()) -> SegmentTracker:
         """Return what tracks the segments of a session.
@@ -77,10 +79,23 @@ class WorkerCache:
             video,
             first_motion=sidecars.first_motion_of_session(session, folder),
             like=self._tracker,
-            keypoints=sidecars.keypoints_of_session(session, folder),
+            keypoints=self.keypoints(session, folder),
             fewest=fewest,
         )
         return self._tracker
+
+    def keypoints(self, session: Session, folder: Path) -> Keypoints | None:
+        """The keypoints beside a session's file, read again only when they are others.
+
+        KeypointError as of `keypoints_of_session`.
+        """
+        if session.view.keypoints is None:
+            return None
+        path = folder / session.view.keypoints.file  # named by its content
+        if self._keypoints is None or self._keypoints[0] != path:
+            found = sidecars.keypoints_of_session(session, folder)
+            self._keypoints = None if found is None else (path, found)
+        return self._keypoints and self._keypoints[1]
 
     def video(self, session: Session, path: str, folder: Path = Path()) -> Video:
         """The video at a path, opened again only when another file lies there now; or when the

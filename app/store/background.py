@@ -148,7 +148,8 @@ class KeypointFinder:
     def look(self, opened: OpenSession, edit: EditorState) -> None:
         """The state is another one, perhaps at another frame."""
         doc, folder = edit.settled, opened.session_path.parent
-        self._wanted = (_of_file(doc, folder), _of_segment(doc, _span_at(doc, edit.frame)))
+        of_file, span = _of_file(doc, folder), _span_at(doc, edit.frame)
+        self._wanted = (of_file, _of_segment(doc, span, partial(self._read_before, of_file)))
         if self._reading is None:
             self._go_on()
 
@@ -168,6 +169,9 @@ class KeypointFinder:
     def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
         """None where it was not asked yet."""
         return next(((found,) for known, found in self._answers if _is_same(known, question)), None)
+
+    def _read_before(self, question: _Question) -> Keypoints | None:
+        return next(iter(self._answer(question) or ()), None)
 
     async def _read(self, question: _Question) -> None:
         found = await asyncio.to_thread(_or_none, question.read)
@@ -196,14 +200,15 @@ def _of_file(doc: Session, folder: Path) -> _Question:
     return _Question(("file", name), partial(keypoints_of_session, doc, folder))
 
 
-def _of_segment(doc: Session, span: Span | None) -> _Question:
+def _of_segment(doc: Session, span: Span | None, drafted: _Read) -> _Question:
     """Return what decides where a network looked in a segment."""
     if span is None:
         return _Question(("segment",), lambda: None)
     ends = [keyframe for keyframe in doc.subject.keyframes if keyframe.frame in span]
     camera = doc.view.camera, doc.view.camera_motion, doc.view.camera_keyframes
-    made_of = ("segment", *span, *ends, doc.subject.body, *camera, doc.settings.network)
-    return _Question(made_of, partial(found_before, doc, span))
+    network = doc.settings.network, doc.view.keypoints
+    made_of = ("segment", *span, *ends, doc.subject.body, *camera, *network)
+    return _Question(made_of, lambda: found_before(doc, span, drafted()))
 
 
 def _span_at(doc: Session, frame: int) -> Span | None:

@@ -105,7 +105,11 @@ class Keypoints:
             depth = np.where(rows[..., None], above.p_hips, below.p_hips)
         uv = np.where(rows[..., None], above.uv, below.uv)
         visibility = np.where(rows, above.visibility, below.visibility)
-        return Keypoints(first, self.names, uv, visibility, depth)
+        frames = range(first, last + 1)
+        masks = [(other if own[n - first] else self).mask(n) for n in frames]
+        return Keypoints(
+            first, self.names, uv, visibility, depth, masks=tuple(masks) if any(masks) else None
+        )
 
     def exchanged(self) -> Keypoints:
         """Exchange left and right, but for what a person set."""

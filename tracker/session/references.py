@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Final, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat
 
@@ -146,6 +146,10 @@ class FirstMotion(Plain):
         return next(runs, None)
 
 
+KEYPOINT_RUN: Final = 128
+"""Frames of which a segment's key counts the keypoints together."""
+
+
 class KeypointFile(Plain):
     """Keypoints of the person in the film: evidence beside its pictures."""
 
@@ -160,4 +164,15 @@ class KeypointFile(Plain):
     )
     seeds: tuple[FrameIndex, ...] = Field(
         default=(), description="Frames where it was said where the person is."
+    )
+    model: str = Field(
+        default="", description="SHA-256 of that network's file, if segments are tracked by them."
+    )
+    masks: bool = Field(
+        default=False, description="Whether the file has the person's outlines, too."
+    )
+    runs: tuple[Annotated[str, Field(pattern=r"^[0-9a-f]{8}$")], ...] = Field(
+        default=(),
+        description=f"Digests of what is in each {KEYPOINT_RUN} frames of the film, with which "
+        "segments are tracked whose keyframes lie on the keypoints. Empty where none are.",
     )

@@ -7,32 +7,27 @@ none. Files used longest ago go first when there are too many bytes.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import astuple
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.files import read_own
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES
 from keypose.tracker.keypoints.detect import DetectionWindow
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import cache_folder, find_model
-from keypose.tracker.keypoints.person_mask import PersonMask
-from keypose.tracker.keypoints.region import Region
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
-from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.fingerprints import Span, has_drafted_keypoints
+from keypose.tracker.storage.mask_arrays import MASK_ARRAYS, arrays_of_masks, masks_of_arrays
 from keypose.tracker.tracking.cues import sources
+from keypose.tracker.tracking.cues.drafted import drafted_over
 
-Masks: TypeAlias = tuple[PersonMask | None, ...]
 MOST_BYTES: Final = 256 * 2**20
 """Some 70,000 frames."""
 LARGEST_STRETCH_BYTES: Final = 2**20
@@ -60,7 +55,7 @@ class Detections:
     def put(self, key: str, stretch: DetectionWindow) -> None:
         """Keep a stretch, if that can be done."""
         rows = {name: getattr(stretch, name) for name in (*_ROWS, *_STATE)}
-        content = archive_bytes({**rows, **_arrays_of(stretch.masks)})
+        content = archive_bytes({**rows, **arrays_of_masks(stretch.masks)})
         with suppress(KeypointError):
             make_folder(self._folder, error=KeypointError)
             write_file(self._path(key), content, overwrite=True, error=KeypointError)
@@ -84,70 +79,46 @@ class Detections:
 
 
 _STATE: Final = ("regions", "lost_for")
-_MASKS: Final = ("looked", "packed", "lengths")
-
-
-def _arrays_of(masks: Sequence[PersonMask | None]) -> dict[str, NDArray[Any]]:
-    """Return the squares of masks (N, 4), NaN where there is none, what is packed, one after the
-    other, and how many bytes are of each (N,)."""
-    nowhere = np.full(4, np.nan)
-    packed = [b"" if mask is None else mask.packed for mask in masks]
-    return {
-        "looked": np.array([nowhere if m is None else astuple(m.region) for m in masks]),
-        "packed": np.frombuffer(b"".join(packed), np.uint8),
-        "lengths": np.array([len(one) for one in packed], dtype=np.int64),
-    }
-
-
-def _masks(looked: Array, packed: NDArray[np.uint8], lengths: NDArray[np.int64]) -> Masks:
-    """The masks of these arrays; ValueError where they hold none."""
-    ends = np.cumsum(lengths)
-    if packed.dtype != np.uint8 or lengths.min() < 0 or packed.shape != (ends[-1],):
-        raise ValueError("its masks do not fit together")
-    masks: list[PersonMask | None] = []
-    for square, end, length in zip(looked.tolist(), ends, lengths, strict=True):
-        mask = PersonMask(Region(*square), packed[end - length : end].tobytes())
-        if length:
-            mask.levels()  # ValueError where it is damaged
-        masks.append(mask if length else None)
-    return tuple(masks)
 
 
 def _stretch(content: bytes) -> DetectionWindow:
     """ValueError where it is none."""
     arrays = archive_arrays(content)
-    if set(arrays) != {*_ROWS, *_STATE, *_MASKS}:
+    if set(arrays) != {*_ROWS, *_STATE, *MASK_ARRAYS}:
         raise ValueError("its entries are not those of a stretch")
     count = len(np.atleast_1d(arrays["lost_for"]))
-    shapes = {
-        **{name: (count, *shape) for name, shape in _ROWS.items()},
-        **{"regions": (count, 4), "looked": (count, 4)},
-    }
+    masks = masks_of_arrays(*(arrays[name] for name in MASK_ARRAYS))
+    shapes = {name: (count, *shape) for name, shape in _ROWS.items()} | {"regions": (count, 4)}
     fits = all(arrays[name].shape == shape for name, shape in shapes.items())
     numbers = all(arrays[name].dtype == np.float64 for name in shapes)
-    lost_for, whole = arrays["lost_for"], [arrays[name] for name in ("lost_for", "lengths")]
-    counts = all(one.shape == (count,) and one.dtype == np.int64 for one in whole)
-    if not fits or not numbers or not counts:
+    lost_for = arrays["lost_for"]
+    counts = lost_for.shape == (count,) and lost_for.dtype == np.int64
+    if not fits or not numbers or not counts or len(masks) != count:
         raise ValueError("its entries do not fit together")
     seen = np.isfinite(arrays["uv"]).all(axis=(1, 2))
-    squares = np.isfinite([*arrays["regions"], *arrays["looked"][seen]])
-    if count < 1 or not squares.all() or (lost_for[seen] != 0).any():
+    if not np.isfinite(arrays["regions"]).all() or (lost_for[seen] != 0).any():
         raise ValueError("it holds no stretch")
-    if not np.array_equal(arrays["lengths"] > 0, seen):
+    if not np.array_equal([mask is not None for mask in masks], seen):
         raise ValueError("its masks are of other frames")
-    masks = _masks(*(arrays[name] for name in _MASKS))
     return DetectionWindow(**{name: arrays[name] for name in (*_ROWS, *_STATE)}, masks=masks)
 
 
-def found_before(session: Session, span: Span) -> Keypoints | None:
-    """Return the keypoints that a network found in one segment, without reading the film; None
-    where there are none.
+def found_before(
+    session: Session, span: Span, drafted: Keypoints | None = None
+) -> Keypoints | None:
+    """Return the keypoints that a segment was tracked with, without reading the film; None where
+    there are none.
+
+    drafted: what `keypoints_of_session` reads beside the session's file.
     """
     skeleton = Skeleton.of(session.subject.body)
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame in span}
-    model = find_model(session.settings.network_used)
-    film = session.view.video.pictures
+    camera, path = session.view.camera, session.camera_path
+    if drafted is not None and has_drafted_keypoints(session):
+        served = drafted_over(drafted, span, skeleton, posed, camera, path)
+        if served is not None:
+            return served
+    model, film = find_model(session.settings.network_used), session.view.video.pictures
     return sources.found_before(
-        posed, skeleton, session.view.camera, film, Detections(), model,
-        session.camera_path,
+        posed, skeleton, camera, film, Detections(), model, path
     )  # fmt: skip

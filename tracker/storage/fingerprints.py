@@ -30,6 +30,7 @@ from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+from keypose.tracker.session.references import KEYPOINT_RUN
 
 Span: TypeAlias = tuple[int, int]
 """First and last frame of a segment, as in Session.spans."""
@@ -100,6 +101,8 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
     pose = _pose(ById(keyframe), session.subject.body.names)
     setup = [keyframe.frame, _body(ById(session.subject.body)), _camera(ById(session.view.camera))]
     setup += _woven(session)
+    if session.view.keypoints is not None and has_drafted_keypoints(session):
+        setup += session.view.keypoints.runs
     return hashlib.sha256(json.dumps(setup).encode() + pose).hexdigest()[:16]
 
 
@@ -218,7 +221,31 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
         for each in session.view.keypoint_corrections
         if first <= each.frame <= last
     ]
-    return [*sorted(within), {"keypoints": corrected}] if corrected else sorted(within)
+    found: list[Any] = [*sorted(within), *_drafted(session, span)]
+    return [*found, {"keypoints": corrected}] if corrected else found
+
+
+def has_drafted_keypoints(session: Session) -> bool:
+    """Return whether a draft's keypoints serve segments as well: the same network's, with masks of
+    the person where these are wanted."""
+    drafted = session.view.keypoints
+    if drafted is None or not drafted.runs or (needs_masks(session) and not drafted.masks):
+        return False
+    return drafted.model == _digest(session.settings.network_used)
+
+
+def _drafted(session: Session, span: Span) -> list[Any]:
+    """Return what a draft's keypoints are in a segment; nothing where they do not count."""
+    if session.view.keypoints is None or not has_drafted_keypoints(session):
+        return []
+    first, last = span
+    runs = session.view.keypoints.runs[first // KEYPOINT_RUN : last // KEYPOINT_RUN + 1]
+    return [{"drafted": runs}] if runs else []
+
+
+def needs_masks(session: Session) -> bool:
+    """Return whether the person's masks are wanted, since no background shows their silhouette."""
+    return "silhouette" in session.settings.cues_used and not shows_background(session)
 
 
 def _keyframe_ends(_session: Session, _span: Span, ends: Sequence[Keyframe]) -> list[Any]:
@@ -316,7 +343,7 @@ def _cues(session: Session) -> list[Any]:
     """Return what counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
-        if shows_background(session):
+        if not needs_masks(session):
             cues += ["silhouette"]
         elif is_persons(session.subject.body):
             cues += ["person", _digest(settings.network_used)]

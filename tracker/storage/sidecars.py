@@ -17,12 +17,15 @@ Keypoints, whose numbers have four bytes, a fraction of a thousandth of a pixel:
     uv           (N, L, 2)  pixels, NaN where nothing was found
     visibility   (N, L)     from 0 to 1, 0 where uv is NaN
     p_hips       (N, L, 3)  metres, NaN where unknown; left out where no depth is known
+
+and, of a draft from a camera that moves, where the person is in each frame (`mask_arrays.py`).
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -35,11 +38,14 @@ from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_regular
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.geometry.steady import SteadyCamera
+from keypose.tracker.keypoints.detectors import detector_fingerprint
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.session.references import FirstMotion, KeypointFile, OwnRun
+from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.session.references import KEYPOINT_RUN, FirstMotion, KeypointFile, OwnRun
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.mask_arrays import MASK_ARRAYS, arrays_of_masks, masks_of_arrays
 
 
 def carry_beside(session: Session, folder: Path, other: Path) -> None:
@@ -225,10 +231,39 @@ def save_keypoints(
     content = archive_bytes(_arrays(keypoints))
     name = _keypoints_name(content)
     write_file(session_path.parent / name, content, overwrite=True, error=KeypointError)
+    model = _model_of(session, network)
     reference = KeypointFile(
-        file=name, source=source, network=network, seeds=tuple(sorted(set(seeds)))
-    )
+        file=name, source=source, network=network, seeds=tuple(sorted(set(seeds))),
+        model=model, runs=_runs(keypoints) if model else (), masks=_shows_outlines(keypoints),
+    )  # fmt: skip
     return session.changed({"keypoints": reference})
+
+
+def _shows_outlines(keypoints: Keypoints) -> bool:
+    """Return whether it is known where the person is wherever one was seen."""
+    seen = np.isfinite(keypoints.uv).all(axis=(1, 2))
+    masks = keypoints.masks
+    return masks is not None and all(masks[n] is not None for n in np.flatnonzero(seen))
+
+
+def _model_of(session: Session, network: str) -> str:
+    """Return the SHA-256 of the network that a session has chosen; empty if another one found."""
+    with suppress(KeypointError):  # it is not here any more
+        model = find_model(session.settings.network_used)
+        if network == detector_fingerprint(model):
+            return model.sha256
+    return ""
+
+
+def _runs(keypoints: Keypoints) -> tuple[str, ...]:
+    """Return what `KeypointFile.runs` are of keypoints."""
+
+    def digest(first: int) -> str:
+        arrays = _arrays(keypoints.over(first, first + KEYPOINT_RUN - 1))
+        content = b"\0".join(arrays[name].tobytes() for name in sorted(arrays))
+        return hashlib.sha256(content).hexdigest()[:8]
+
+    return tuple(digest(first) for first in range(0, keypoints.last_frame + 1, KEYPOINT_RUN))
 
 
 def one_focal(session: Session) -> SteadyCamera | None:
@@ -290,6 +325,8 @@ def _arrays(keypoints: Keypoints) -> dict[str, NDArray[Any]]:
     }
     if keypoints.p_hips is not None:
         arrays["p_hips"] = keypoints.p_hips.astype("<f4")
+    if keypoints.masks is not None:
+        arrays |= arrays_of_masks(keypoints.masks)
     return arrays
 
 
@@ -299,6 +336,7 @@ def _keypoints(arrays: dict[str, NDArray[Any]]) -> Keypoints:
         first = int(arrays["first_frame"])
         uv, visibility = _numbers(arrays["uv"]), _numbers(arrays["visibility"])
         p_hips = _numbers(arrays["p_hips"]) if "p_hips" in arrays else None
+        found = [arrays[name] for name in MASK_ARRAYS] if "packed" in arrays else None
     except (KeyError, TypeError):
         raise ValueError("its entries are not those of keypoints") from None
     shape = (len(uv), len(names))
@@ -310,7 +348,10 @@ def _keypoints(arrays: dict[str, NDArray[Any]]) -> Keypoints:
     known = np.isfinite(uv).all(axis=-1)
     if not ((visibility >= 0) & (visibility <= 1)).all() or visibility[~known].any():
         raise ValueError("it holds visibilities that are none")
-    return Keypoints(first, names, uv, visibility, p_hips)
+    masks = None if found is None else masks_of_arrays(*found)
+    if masks is not None and len(masks) != len(uv):
+        raise ValueError("its masks are of other frames")
+    return Keypoints(first, names, uv, visibility, p_hips, masks=masks)
 
 
 def _numbers(array: NDArray[Any]) -> Array:

@@ -19,8 +19,9 @@ from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import (
     background_turns,
+    has_drafted_keypoints,
+    needs_masks,
     segment_keys,
-    shows_background,
     steady_camera,
     without_part_keyframes,
 )
@@ -28,6 +29,7 @@ from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps
 from keypose.tracker.tracking.ahead.follow import LONGEST, Emit, FoundAhead, follow_ahead
+from keypose.tracker.tracking.cues.drafted import DraftedKeypoints
 from keypose.tracker.tracking.cues.sources import (
     CorrectedKeypoints,
     DetectedKeypoints,
@@ -79,7 +81,7 @@ def tracker_of(
     steady = steady_camera(session)
     if session.settings.method == "keypose":  # the published method looks for nobody
         source = steadied(keypoint_source(session, video, keypoints), steady)
-        people = steadied(_people(session, video), steady)
+        people = steadied(_people(session, video, keypoints), steady)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.subject.first_motion
@@ -123,17 +125,22 @@ def _found_keypoints(
                 "tracking uses them."
             )
         return GivenKeypoints(given)
-    return detected_keypoints(session, video, masks=_needs_masks(session))
+    found = detected_keypoints(session, video, masks=needs_masks(session))
+    return _or_drafted(found, session, given)
 
 
-def _needs_masks(session: Session) -> bool:
-    return "silhouette" in session.settings.cues_used and not shows_background(session)
+def _or_drafted(found: KeypointSource, session: Session, given: Keypoints | None) -> KeypointSource:
+    """Return a network's keypoints, or a draft's where the body lies on them."""
+    if given is None or not has_drafted_keypoints(session):
+        return found
+    return DraftedKeypoints(given, found, session.view.camera, session.camera_path)
 
 
-def _people(session: Session, video: Video) -> DetectedKeypoints | None:
+def _people(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
     """Return what sees the person's silhouette, where no background shows it."""
-    wanted = _needs_masks(session) and is_persons(session.subject.body)
-    return detected_keypoints(session, video) if wanted else None
+    if not needs_masks(session) or not is_persons(session.subject.body):
+        return None
+    return _or_drafted(detected_keypoints(session, video), session, given)
 
 
 def detected_keypoints(session: Session, video: Video, *, masks: bool = True) -> DetectedKeypoints:

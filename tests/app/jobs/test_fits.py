@@ -35,6 +35,9 @@ class Bench:
             raise VideoError("The video is gone.")
         return path
 
+    def keypoints(self, session: Session, folder: object) -> None:
+        """It has none."""
+
 
 @dataclass
 class Found:

@@ -95,7 +95,9 @@ async def test_what_tracking_found_in_a_segment_goes_first(
 ) -> None:
     asked: list[Any] = []
 
-    def kept(doc: Session, span: tuple[int, int]) -> Keypoints | None:
+    def kept(doc: Session, span: tuple[int, int], drafted: Keypoints | None) -> Keypoints | None:
+        assert drafted is not None
+        assert drafted.last_frame == 40, "those of the session's file"
         asked.append(span)
         return found(*span, 33.0) if span == (24, 48) else None
 

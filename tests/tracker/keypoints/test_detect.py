@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.blazepose import BlazePose
+from keypose.tracker.keypoints.blazepose import BlazePose, Seen
 from keypose.tracker.keypoints.detect import (
     PATIENCE,
     STRETCH,
@@ -16,6 +18,7 @@ from keypose.tracker.keypoints.detect import (
     detect,
 )
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints import keypoint_cases as cases
 from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
 
@@ -102,6 +105,32 @@ def test_a_body_that_walks_out_of_the_picture_is_gone() -> None:
 def test_a_frame_that_cannot_be_decoded_is_left_out() -> None:
     found = detect(lambda n: None if n == 7 else numbered(n), (0, 20), seeds(0), Walker())
     assert list(np.flatnonzero(np.isnan(seen_x(found)))) == [7]
+
+
+class Leans:
+    """Somebody who lies on the side, as a network finds out a little better at each look."""
+
+    fingerprint = "leans"
+
+    def __init__(self) -> None:
+        self.turns: list[float] = []
+
+    def infer(self, picture: np.ndarray, region: Region) -> Seen:
+        self.turns.append(region.turn_rad)
+        seen = Walker().infer(picture, region)
+        return replace(seen, next=replace(region, turn_rad=min(region.turn_rad + 0.2, LYING)))
+
+
+LYING = 1.5
+
+
+def test_a_seed_is_looked_at_until_the_region_is_the_bodys() -> None:
+    leans, walks = Leans(), Walker()
+    detect(numbered, (3, 3), seeds(3), leans)
+    assert leans.turns[-1] == pytest.approx(LYING)
+    assert len(leans.turns) == 9
+    detect(numbered, (3, 3), seeds(3), walks)
+    assert walks.looked == [3], "where it is at once, once is enough"
 
 
 def test_a_seed_that_shows_nobody_is_named() -> None:

@@ -13,9 +13,11 @@ import pytest
 
 from keypose.tracker.body.body import Twist, preset
 from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.references import KeypointFile
+from keypose.tracker.storage import fingerprints
 from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
 from keypose.tracker.storage.networks import add_own
 from keypose.tracker.storage.results import (
@@ -167,6 +169,46 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, settings=with_all) != keys(detected, settings=still)
     no_cues = paper.model_copy(update={"cues": None})
     assert keys(detected, settings=paper) == keys(detected, settings=no_cues)
+
+
+def test_a_drafts_keypoints_count_in_the_segments_of_their_frames(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With the network that found them, and with masks of the person where these are wanted."""
+    monkeypatch.setattr(fingerprints, "KEYPOINT_RUN", 4)
+    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().subject.keyframes]
+    bare = session().changed({"body": preset("adult_male"), "keyframes": tuple(frames)})
+    both = bare.settings.model_copy(
+        update={"cues": ("brightness", "keypoints"), "network": "thunder", "static_camera": True}
+    )
+    person = bare.changed({"settings": both})
+    drafted = KeypointFile(
+        file=KEYPOINTS, source="BlazePose", network="any runtime",
+        model=find_model("thunder").sha256, runs=("00000000", "11111111"),
+    )  # fmt: skip
+    assert person.spans == ((0, 4), (4, 8))
+
+    def keys(of: Session, **changes: Any) -> list[str]:
+        return list(segment_keys(of.changed(changes)).values())
+
+    plain, of_draft = keys(person), keys(person, keypoints=drafted)
+    assert not set(plain) & set(of_draft)
+    again = drafted.model_copy(
+        update={"file": KEYPOINTS.replace("0", "1"), "runs": ("00000000", "22222222")}
+    )
+    later = drafted.model_copy(update={"runs": (*drafted.runs, "33333333")})
+    assert keys(person, keypoints=again)[0] != of_draft[0], "its end is in the second run"
+    assert keys(person, keypoints=later)[0] == of_draft[0]
+    assert keys(person, keypoints=later)[1] != of_draft[1]
+    assert keys(person, keypoints=drafted.model_copy(update={"model": "", "runs": ()})) == plain
+    for changes in ({"network": "heavy"}, {"cues": ("brightness",)}):
+        settings = both.model_copy(update=changes)
+        assert keys(person, keypoints=drafted, settings=settings) == keys(person, settings=settings)
+    masks = {"static_camera": False, "cues": ("brightness", "keypoints", "silhouette")}
+    settings = both.model_copy(update=masks)
+    assert keys(person, keypoints=drafted, settings=settings) == keys(person, settings=settings)
+    outlined = drafted.model_copy(update={"masks": True})
+    assert keys(person, keypoints=outlined, settings=settings) != keys(person, settings=settings)
 
 
 def test_a_limb_keyed_alone_outdates_its_own_segment_and_without_it_all_is_as_before() -> None:

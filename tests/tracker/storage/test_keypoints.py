@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,12 @@ import pytest
 from keypose.app.document.open import copy_session
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
+from keypose.tracker.keypoints.region import Region
 from keypose.tracker.session import Session
 from keypose.tracker.storage.archive import archive_bytes
 from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.mask_arrays import arrays_of_masks
 from keypose.tracker.storage.sidecars import keypoints_of_session, load_keypoints, save_keypoints
 from tests.tracker import session_cases as cases
 
@@ -59,6 +63,30 @@ def test_saved_keypoints_come_back(path: Path, depth: bool) -> None:
         np.testing.assert_allclose(found.p_hips, given.p_hips, rtol=1e-6)
 
 
+def masked(found: Keypoints) -> Keypoints:
+    """With an outline in each frame that shows somebody."""
+    share = np.zeros((MASK_SIDE, MASK_SIDE))
+    share[40:200, 90:160] = 0.8
+    masks = [
+        None if np.isnan(uv).any() else PersonMask.of(Region(30.0 + n, 20.0, 90.0, 0.1), share)
+        for n, uv in enumerate(found.uv)
+    ]
+    return replace(found, masks=tuple(masks))
+
+
+def test_outlines_come_back_in_the_frames_that_have_one(path: Path) -> None:
+    given = masked(keypoints())
+    session = saved(path, given)
+    found = keypoints_of_session(session, path.parent)
+    assert found is not None
+    assert found.masks == given.masks
+    assert session.view.keypoints is not None
+    assert session.view.keypoints.masks
+    assert given.masks is not None
+    some = replace(given, masks=(None, *given.masks[1:]))
+    assert not saved(path, some).view.keypoints.masks  # type: ignore[union-attr]
+
+
 def test_equal_keypoints_are_one_file(path: Path) -> None:
     assert saved(path, keypoints()).view.keypoints == saved(path, keypoints()).view.keypoints
     assert len(list(path.parent.glob("keypoints-*.npz"))) == 1
@@ -96,6 +124,9 @@ GOOD = {
 }
 
 
+MASKED = arrays_of_masks([None, None, None])
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -107,6 +138,11 @@ GOOD = {
         {"names": np.array(["nose", "nose"])},
         {"first_frame": np.array(-1)},
         {"p_hips": np.zeros((3, 2, 2))},
+        {**MASKED, "lengths": np.array([-1, 1, 0])},
+        {**MASKED, "lengths": np.array([4, 0, 0])},
+        {**MASKED, "packed": np.frombuffer(b"torn", np.uint8), "lengths": np.array([4, 0, 0])},
+        {**MASKED, "looked": np.zeros((2, 4))},
+        {name: rows[:2] for name, rows in MASKED.items()},
     ],
 )
 def test_an_archive_of_something_else_is_refused(
@@ -118,6 +154,8 @@ def test_an_archive_of_something_else_is_refused(
     place = tmp_path / "given.npz"
     place.write_bytes(archive_bytes(GOOD))
     assert len(load_keypoints(place)) == 3
+    place.write_bytes(archive_bytes({**GOOD, **MASKED}))
+    assert load_keypoints(place).masks == (None, None, None)
     place.write_bytes(archive_bytes({**GOOD, **wrong}))
     with pytest.raises(KeypointError, match="damaged"):
         load_keypoints(place)

@@ -1,0 +1,100 @@
+"""Keypoints that were found when a film was drafted, which serve its segments as well.
+
+A network that looks again from a keyframe sees the same person from a region a little beside: the
+same keypoints up to chance, for the same time once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_body import FEWEST, PointsOnBody, points_on_body
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.tracking.cues.anchors import OTHER_PERSON, height_px
+from keypose.tracker.tracking.cues.sources import KeypointSource
+from keypose.tracker.tracking.segment import NEAREST_M, Segment
+
+
+@dataclass(frozen=True, eq=False)
+class DraftedKeypoints:
+    """Keypoints of a draft, where the body's poses lie on them; another source's elsewhere.
+
+    drafted: as they were filmed.  camera, path: as of `DetectedKeypoints`.
+    """
+
+    drafted: Keypoints
+    source: KeypointSource
+    camera: Camera
+    path: CameraPath | None = None
+
+    def over(
+        self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
+    ) -> Keypoints | None:
+        frames = segment.first_frame, segment.last_frame
+        posed = dict(zip(frames, (segment.start, segment.end), strict=True))
+        found = self._shown(frames, skeleton, posed)
+        return self.source.over(segment, skeleton, report) if found is None else found
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        found = self._shown((frame, frame), skeleton, {frame: pose})
+        return self.source.at(frame, skeleton, pose) if found is None else found
+
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        frames = min(frame, last), max(frame, last)
+        found = self._shown(frames, skeleton, {frame: pose})
+        if found is None:
+            return self.source.beyond(frame, last, skeleton, pose, report)
+        return found
+
+    def _shown(
+        self, frames: tuple[int, int], skeleton: Skeleton, posed: Mapping[int, Pose]
+    ) -> Keypoints | None:
+        return drafted_over(self.drafted, frames, skeleton, posed, self.camera, self.path)
+
+
+def drafted_over(
+    drafted: Keypoints,
+    frames: tuple[int, int],
+    skeleton: Skeleton,
+    posed: Mapping[int, Pose],
+    camera: Camera,
+    path: CameraPath | None = None,
+) -> Keypoints | None:
+    """Return a draft's keypoints from the first frame to the last; None where a pose lies beside
+    them, or where somebody was not seen at all of these frames.
+
+    posed: poses of the body as it was filmed, by frame.  camera: of the video, with its distortion.
+    path: of a camera that moves.
+    """
+    found = drafted.over(*frames)
+    on_body = points_on_body(skeleton.body, found.names)
+    if len(on_body.indices) < FEWEST or not np.isfinite(found.uv).all():
+        return None
+    for frame, pose in posed.items():
+        here = camera if path is None else path.camera_at(camera, frame)
+        if not _lies_on(found.over(frame, frame), on_body, skeleton, pose, here):
+            return None
+    return found
+
+
+def _lies_on(
+    seen: Keypoints, on_body: PointsOnBody, skeleton: Skeleton, pose: Pose, camera: Camera
+) -> bool:
+    """Return whether a posed body lies where keypoints of one frame show the person, whichever side
+    they take for the left one."""
+    p = Posed.of(skeleton, pose).points(on_body.part, on_body.point)
+    if (p[:, 2] < NEAREST_M).any():
+        return False
+    uv, at = camera.project(p), on_body.indices
+    miss = [np.linalg.norm(each.uv[0, at] - uv, axis=-1) for each in (seen, seen.exchanged())]
+    return bool(min(map(np.median, miss)) <= OTHER_PERSON * height_px(skeleton, camera, pose))
