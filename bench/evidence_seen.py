@@ -34,10 +34,9 @@ from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.blazepose import NAMES
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import find_model
-from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.keypoints.on_body import height_px, points_on_body
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.tracking.cues.anchors import height_px
 from keypose.tracker.tracking.cues.joint_evidence import NEAR, JointEvidence
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.diagnostics import judge

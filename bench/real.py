@@ -25,7 +25,6 @@ from keypose.tracker.body.trajectory import Pass, joined
 from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.model_files import Model, find_model
 from keypose.tracker.session.settings import Cue, TrackSettings
-from keypose.tracker.storage.tracking import LEAST_FPS
 from keypose.tracker.tracking.cues.sources import (
     DetectedKeypoints,
     KeypointSource,
@@ -66,7 +65,7 @@ class Posed:
                 self.video,
                 self.clip.camera,
                 model=network,
-                every_second=network.heads is not None and self.video.info.fps >= LEAST_FPS,
+                every_second=network.skips_frames_at(self.video.info.fps),
             )
         if source is not None and self.steady is not None:
             source = SteadyKeypoints(source, self.steady)

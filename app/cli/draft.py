@@ -28,10 +28,12 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import session_json
+from keypose.tracker.storage.fingerprints import needs_masks
 from keypose.tracker.storage.pace import known_or_measured
 from keypose.tracker.storage.sidecars import save_keypoints
 from keypose.tracker.tracking.pool import Cancelled
@@ -72,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         at = frames[0] if arguments.frame is None else arguments.frame
         require_draftable(session, at, box, frames)
         session = with_repeats(session, video, *frames)
-        _say_how_long(session, frames, arguments.json)
+        _say_how_long(session, frames, video.info.fps, arguments.json)
         try:
             found = _drafted(session, video, at, box, frames, arguments.json)
         except Cancelled:
@@ -90,13 +92,16 @@ def run(arguments: argparse.Namespace) -> int:
     return INTERRUPTED
 
 
-def _say_how_long(session: Session, frames: tuple[int, int], as_json: bool) -> None:
+def _say_how_long(session: Session, frames: tuple[int, int], fps: float, as_json: bool) -> None:
     """Say what a draft will take, where it takes long: as known of this computer, else measured."""
     if as_json:
         return
     count = frames[1] - frames[0] + 1
-    seconds = known_or_measured(session.settings.network_used)
-    if words := about_words(count * seconds):
+    network = session.settings.network_used
+    seconds = count * known_or_measured(network)
+    if not needs_masks(session) and find_model(network).skips_frames_at(fps):
+        seconds /= 2
+    if words := about_words(seconds):
         print(f"Drafting {count} frames takes {words}.", file=sys.stderr, flush=True)
 
 

@@ -146,13 +146,16 @@ def drafted(
             return None
 
     name, camera = session.settings.network_used, session.view.camera
-    network, kept = open_detector(find_model(name)), Detections()
+    model = find_model(name)
+    network = open_detector(model)
     reporter, began = DraftReporter(report, cancelled), time.monotonic()
+    film, kept = session.view.video.pictures, Detections()
+    half = not needs_masks(session) and model.skips_frames_at(video.info.fps)
     try:
         found = draft_clip(
             picture, frames, at, box, camera, session.subject.body, network, again=network.plain,
             proportions=proportions, up_world=session.world.up_world, path=session.camera_path,
-            report=reporter, film=session.view.video.pictures, kept=kept,
+            report=reporter, film=film, kept=kept, every_second=half,
         )  # fmt: skip
     except Cancelled:
         part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
@@ -160,9 +163,7 @@ def drafted(
             raise
         detected.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
         seed = Seed.of_box(at, box, camera.width, camera.height)
-        keypoints = detect(
-            picture, part, [seed], network, film=session.view.video.pictures, kept=kept
-        )
+        keypoints = detect(picture, part, [seed], network, film=film, kept=kept, every_second=half)
         found = draft_from_keypoints(
             keypoints, camera, session.subject.body, proportions=proportions,
             up_world=session.world.up_world, path=session.camera_path,

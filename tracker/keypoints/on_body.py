@@ -9,11 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body, Point
+from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 
 FEWEST: Final = 4
 """Joints with which a body, or what is seen of it, can be compared with keypoints."""
+OTHER_PERSON: Final = 0.10
+"""Keypoints that miss a posed body by this share of its height lie on another person."""
 _LIMB_PARTS: Final = {
     "shoulder": (None, "upper_arm"),
     "elbow": ("upper_arm", "forearm"),
@@ -61,6 +66,13 @@ def is_persons(body: Body) -> bool:
     it.
     """
     return len(points_on_body(body, JOINTS).indices) >= FEWEST
+
+
+def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
+    """Return how tall the body is in the picture, were it to stand where it is."""
+    rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))[:, :3, 3]
+    tall = float(np.ptp(rest, axis=0).max()) * 1.1  # joints end at ankles and neck
+    return tall * camera.fy / float(camera.depth(pose.p_camera_root))
 
 
 def _place(body: Body, name: str) -> tuple[int, Point] | None:

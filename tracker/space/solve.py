@@ -32,7 +32,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.keypoints.on_body import height_px, is_persons
 from keypose.tracker.solver.frames import LinkIn, SharedTermIn
 from keypose.tracker.solver.least_squares import QUICK, least_squares
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem, MotionState
@@ -75,7 +75,7 @@ from keypose.tracker.solver.smoothness import Increments, Smoothness, increments
 from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
 from keypose.tracker.solver.terms import Link, SharedTerm, Term
 from keypose.tracker.space.contacts import speed_m_s
-from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
+from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.parts.limb_keyframes import (
     KeyedParts,
     with_exact_ends,

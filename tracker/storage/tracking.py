@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Final
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -42,10 +41,6 @@ from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never,
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import MEMORY_BYTES
-
-LEAST_FPS: Final = 40.0
-"""From so many frames a second on keypoints of every second one are enough: at 60 the motion is as
-near to its marks as by those of each, at 30 a walker's is 0.2 px farther."""
 
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
@@ -149,10 +144,9 @@ def detected_keypoints(session: Session, video: Video, *, masks: bool = True) ->
     masks: whether the person's mask is wanted in each frame.
     """
     model, film = find_model(session.settings.network_used), session.view.video.pictures
-    joints_alone = model.heads is not None and not masks
-    every_second = joints_alone and video.info.fps >= LEAST_FPS
+    half = not masks and model.skips_frames_at(video.info.fps)
     return DetectedKeypoints(
-        video, session.view.camera, film, Detections(), model, every_second, session.camera_path
+        video, session.view.camera, film, Detections(), model, half, session.camera_path
     )
 
 

@@ -190,7 +190,8 @@ SECTIONS: dict[str, _Section] = {
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
     "cues": _Section(_doc("settings", "body", "video"), evidence_values.cues),
     "networks": _Section(
-        _both(_doc("settings"), evidence_values.networks_here), evidence_values.networks
+        _both(_doc("settings", "video", "camera_motion"), evidence_values.networks_here),
+        evidence_values.networks,
     ),
     "keypoints": _Section(
         _both(

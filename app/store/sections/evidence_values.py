@@ -30,7 +30,7 @@ from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import ALL_CUES, Cue, TrackSettings
-from keypose.tracker.storage.fingerprints import shows_background
+from keypose.tracker.storage.fingerprints import needs_masks, shows_background
 from keypose.tracker.storage.pace import seconds_a_frame
 
 _TITLES: Final[Mapping[str, str]] = {
@@ -82,8 +82,9 @@ def networks_here(_app_state: AppState) -> tuple[Any, ...]:
 
 def networks(app_state: AppState) -> Json:
     """The networks that find keypoints: which is chosen, and how to add one that is not here."""
-    doc = doc_of(app_state)
+    doc, opened = doc_of(app_state), app_state.opened
     chosen = (doc.settings if doc else TrackSettings()).network_used
+    fps = 0.0 if doc is None or opened is None or needs_masks(doc) else opened.info.fps
     choices = [
         {
             "id": model.name,
@@ -91,7 +92,7 @@ def networks(app_state: AppState) -> Json:
             "mb": model.size_mb,
             "chosen": model.name == chosen,
             "remedy": "" if is_here else adding(model),
-            "frame_s": frame_s,
+            "frame_s": frame_s and frame_s / (2 if model.skips_frames_at(fps) else 1),
         }
         for model, is_here, frame_s in networks_here(app_state)
     ]

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 from threading import Event
+from typing import Any
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from keypose.app.document.new import new_session
-from keypose.app.jobs.draft import DraftClip
+from keypose.app.jobs.draft import DraftClip, drafted
 from keypose.app.jobs.job import Failed, Finished, Progress, Report
 from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.tracker.fitting.draft import clip
+from keypose.tracker.keypoints import model_files
 from keypose.tracker.session import Session
 from keypose.tracker.video import Video
 from tests.app.jobs import job_cases
@@ -58,6 +63,47 @@ def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
     assert len(shares) == len(progress)
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    ("least_fps", "still", "looked", "masked"),
+    [
+        (1.0, True, {0, 2, 4, 6, 8}, False),
+        (1000.0, True, {*range(9)}, False),
+        (1.0, False, {*range(9)}, True),  # each frame's mask judges what is tracked
+    ],
+)
+def test_a_quick_film_is_drafted_from_every_second_frame_where_no_mask_is_needed(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    least_fps: float,
+    still: bool,
+    looked: set[int],
+    masked: bool,
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(model_files, "LEAST_SKIPPED_FPS", least_fps)
+    seen: set[int] = set()
+    frame = Video.frame
+
+    def shown(self: Video, number: int) -> NDArray[np.uint8]:
+        seen.add(number)
+        return frame(self, number)
+
+    with Video.open(VIDEO) as video:
+        session = new_session(video, Path("session.json").absolute())
+        settings = session.settings.model_copy(update={"static_camera": still})
+        session = session.changed({"settings": settings})
+        monkeypatch.setattr(Video, "frame", shown)
+        monkeypatch.setattr(clip, "person_changes", lambda *given: ())
+        report: dict[str, Any] = {"proportions": True, "report": lambda progress: None}
+        found = drafted(session, video, 0, BOX, (0, 8), **report)
+    assert seen == looked
+    assert sorted(found.draft.poses) == list(range(9))
+    masks = found.draft.keypoints.masks
+    assert (masks is not None) is masked
+    if masks is not None:
+        assert all(mask == mask.outlined() for mask in masks if mask is not None)
 
 
 def test_a_cancelled_draft_reports_nothing_it_found(content: bytes) -> None:

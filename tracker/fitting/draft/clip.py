@@ -35,8 +35,9 @@ from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.keypoints.region import Box
-from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
+from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
 WORSE = 1.1
@@ -87,6 +88,7 @@ def draft_clip(
     report: Callable[[DraftProgress], None] = lambda progress: None,
     film: str = "",
     kept: Kept | None = None,
+    every_second: bool = False,
 ) -> ClipDraft:
     """Drafts of all frames from the first to the last, of the person in a box on one of them.
 
@@ -96,6 +98,7 @@ def draft_clip(
     report: called again and again; what it raises ends the work within a frame.
     proportions: whether the body's limbs may be scaled to the person's.
     up_world: (3,) what is up; None where nobody knows.  path: of a camera that moves.
+    every_second: as of `detect`.
     KeypointError in one sentence for a box that is none, or without a person in it.
     """
 
@@ -103,7 +106,10 @@ def draft_clip(
         report(DraftProgress("keypoints", progress.done, progress.expected))
 
     seed = Seed.of_box(at, box, camera.width, camera.height)
-    keypoints = detect(frame, frames, [seed], network, report=looked, film=film, kept=kept)
+    keypoints = detect(
+        frame, frames, [seed], network, report=looked, film=film, kept=kept,
+        every_second=every_second,
+    )  # fmt: skip
     count = frames[1] - frames[0] + 1
 
     def looked_again(done: int, expected: int) -> None:

@@ -25,9 +25,9 @@ from keypose.tracker.fitting.draft.proposals import FrameRange, Proposal, propos
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.session.annotations import Reason
 from keypose.tracker.solver.posed import image_points
-from keypose.tracker.tracking.cues.anchors import height_px
 
 NEAR_FRAMES = 10
 """Before and after a frame, in which a bone that points the same way is asked as well."""

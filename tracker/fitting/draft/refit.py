@@ -25,6 +25,7 @@ from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.session.annotations import LEARN_FRAMES
 from keypose.tracker.solver.posed import BodyPoints, image_jacobian, image_points
 from keypose.tracker.solver.sigmas import (
@@ -35,7 +36,7 @@ from keypose.tracker.solver.sigmas import (
     POSED_PX,
     SHAKES_M,
 )
-from keypose.tracker.tracking.cues.anchors import height_px, with_free_joints
+from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
 

@@ -22,6 +22,7 @@ from keypose.tracker.fitting.draft.first_poses import landmark_axes
 from keypose.tracker.fitting.draft.observed import POINTS, Joints, Observed, place_of
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.solver.least_squares import USUAL
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
@@ -41,7 +42,6 @@ from keypose.tracker.solver.sigmas import (
 )
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.terms import Term
-from keypose.tracker.tracking.cues.anchors import height_px
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import NEAREST_M
 

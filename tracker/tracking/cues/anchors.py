@@ -14,13 +14,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.keypoints.on_body import FEWEST, points_on_body
+from keypose.tracker.keypoints.on_body import FEWEST, OTHER_PERSON, height_px, points_on_body
 from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.least_squares import damped_step
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
@@ -49,8 +49,6 @@ from keypose.tracker.tracking.segment import NEAREST_M, Segment
 FACE = ("nose", "left_ear", "right_ear")
 FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
-OTHER_PERSON = 0.10
-"""Keypoints that miss a posed body by this share of its height lie on another person."""
 
 
 BY_FRAME = ("uv", "scale", "depth", "depth_scale", "visibility", "by_hand")
@@ -223,13 +221,6 @@ def frame_anchors(
         points = points + _offsets(scene, parts, points, sigma_m, poses, seen_uv, sure)
     where = BodyPoints.single(scene.skeleton, parts, points)
     return PointsInPicture(where, scene.camera, uv, scale, NEAREST_M, kernel)
-
-
-def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
-    """Return how tall the body is in the picture, were it to stand where it is."""
-    rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))[:, :3, 3]
-    tall = float(np.ptp(rest, axis=0).max()) * 1.1  # joints end at ankles and neck
-    return tall * camera.fy / float(camera.depth(pose.p_camera_root))
 
 
 def _undistorted(keypoints: Keypoints, scene: Scene, camera: Camera) -> Keypoints:

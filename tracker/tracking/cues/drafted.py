@@ -8,19 +8,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.on_body import FEWEST, PointsOnBody, points_on_body
-from keypose.tracker.solver.posed import Posed
-from keypose.tracker.tracking.cues.anchors import OTHER_PERSON, height_px
+from keypose.tracker.keypoints.on_body import (
+    FEWEST,
+    OTHER_PERSON,
+    PointsOnBody,
+    height_px,
+    points_on_body,
+)
+from keypose.tracker.keypoints.region import LEAST_DEPTH_M
 from keypose.tracker.tracking.cues.sources import KeypointSource
-from keypose.tracker.tracking.segment import NEAREST_M, Segment
+
+if TYPE_CHECKING:
+    from keypose.tracker.tracking.segment import Segment
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +100,9 @@ def _lies_on(
 ) -> bool:
     """Return whether a posed body lies where keypoints of one frame show the person, whichever side
     they take for the left one."""
-    p = Posed.of(skeleton, pose).points(on_body.part, on_body.point)
-    if (p[:, 2] < NEAREST_M).any():
+    Ts = pose_transforms(skeleton, pose)[on_body.part]
+    p = np.einsum("kij,kj->ki", Ts[:, :3, :3], on_body.point) + Ts[:, :3, 3]
+    if (p[:, 2] < LEAST_DEPTH_M).any():
         return False
     uv, at = camera.project(p), on_body.indices
     miss = [np.linalg.norm(each.uv[0, at] - uv, axis=-1) for each in (seen, seen.exchanged())]
