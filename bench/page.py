@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -37,6 +39,8 @@ PLAYED_FPS = 25.0
 LOADS, PAINTED_MS = 9, 600.0
 WINDOW = (1440, 900)
 VIEWS = ("main", "top", "side", "front")
+LIVE_MS = 40.0, 80.0
+"""From the pointer's move to the motion drawn anew: median, and 95 of 100."""
 Act: TypeAlias = Callable[[int, str], dict[str, Any]]
 """The action of a number, for a stroke of this name."""
 
@@ -54,7 +58,7 @@ def page(report: Report) -> None:
         folder = Path(kept)
         with serving(sample(folder / "person")) as keypose:
             _loads(report, browser, keypose)
-            _alone(report, browser, keypose)
+            _alone(report, browser, keypose, folder)
         with serving(film(folder / "long", LONG, LONG_TURNS, passes=50)) as keypose:
             _beside_a_job(report, browser, keypose)
         with serving(film(folder / "played", PLAYED, PLAYED_TURNS)) as keypose:
@@ -89,7 +93,7 @@ _PAINTED = """
 """
 
 
-def _alone(report: Report, browser: Browser, keypose: Keypose) -> None:
+def _alone(report: Report, browser: Browser, keypose: Keypose, folder: Path) -> None:
     """All that there is, on the sample."""
     visitor = Visitor(keypose)
     table = report.table("the server alone: sent to answered, ms", "median", "90 %")
@@ -106,6 +110,7 @@ def _alone(report: Report, browser: Browser, keypose: Keypose) -> None:
             table.row(name, *_spread(spent))
         _steps(report, tab, probe, visitor)
         _first_passes(report, tab, probe, visitor)
+        _live(report, tab, probe, visitor, folder)
     visitor.leave()
 
 
@@ -235,6 +240,54 @@ def _first_passes(report: Report, tab: Page, probe: Probe, visitor: Visitor) -> 
     _passes(table, "live: a drag let go", tab, probe, drag, "pointerup")
     visitor.do(do="live", on=False)
     _put_back(visitor)
+
+
+def _live(report: Report, tab: Page, probe: Probe, visitor: Visitor, folder: Path) -> None:
+    """A hand dragged with Live on, and the motion of both segments beside it; alone, and while a
+    batch tracks another film."""
+    visitor.do(do="track", what="all")
+    visitor.until(lambda: visitor.seen["job"]["state"] == "done", 120)
+    visitor.do(do="live", on=True)
+    table = report.table("a hand dragged with Live: the trail drawn, ms", "median", "95 %")
+    _live_row(table, "alone", tab, probe, visitor)
+    with _batch(folder):
+        _live_row(table, "beside a batch", tab, probe, visitor)
+    visitor.do(do="live", on=False)
+    _put_back(visitor)
+
+
+def _live_row(table: Table, name: str, tab: Page, probe: Probe, visitor: Visitor) -> None:
+    visitor.do(do="go", frame=FRAME)
+    until_state(tab, "view.frame", lambda frame: frame == FRAME)
+    x, y = spot(tab, "left_hand")
+    tab.mouse.move(x, y)
+    tab.mouse.down()
+    tab.mouse.move(x + 6, y)
+    spent = []
+    for i in range(2 * TIMES + 5):
+        probe.arm("pointermove", "trail")
+        tab.mouse.move(x + 14 * np.cos(i / 4), y - 14 * np.sin(i / 4))
+        if (marks := probe.marks()) is not None and i >= 5:
+            spent.append(marks["trail"])
+    tab.mouse.up()
+    until_state(tab, "pose.stroke", lambda stroke: stroke is None)
+    until_state(tab, "job.state", lambda state: state != "running", 120)
+    median, late = float(np.median(spent)), float(np.percentile(spent, 95))
+    expected = [Expected("median", median, LIVE_MS[0], "ms"), Expected("95 %", late, LIVE_MS[1])]
+    table.row(name, median, late, expected=expected)
+
+
+@contextmanager
+def _batch(folder: Path) -> Iterator[None]:
+    """Another film is tracked at the command line meanwhile, again and again."""
+    session = film(folder / "batch", LONG, LONG_TURNS, passes=50)
+    command = [sys.executable, "-m", "keypose", "batch", "--overwrite", str(session)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        process.terminate()
+        process.wait()
 
 
 def _passes(

@@ -55,10 +55,18 @@ async () => {
     });
   };
   for (const frame of frames) {
-    frame.contentWindow.__viserMutable.scene.onAfterRender = () => {
+    const scene = frame.contentWindow?.__viserMutable?.scene;
+    if (scene) scene.onAfterRender = () => {
       if (armed && armed.gate in armed.marks && shows(frame)) mark(role(frame));
     };
   }
+  // The dots of the trail lie in the page; its line, in the views, is drawn with the body.
+  new MutationObserver((records) => {
+    if (records.some(({ target }) => target.closest?.('g.trail'))) mark('trail');
+  }).observe(document.querySelector('#main'), {
+    attributeFilter: ['cx', 'd'], childList: true, subtree: true,
+  });
+
   const film = document.querySelector('#main canvas.vid');
   new MutationObserver(() => mark('film')).observe(film, { attributeFilter: ['data-frame'] });
 
@@ -96,7 +104,8 @@ class Probe:
     """Milliseconds from an event in the page to what it leads to.
 
     Marks: "told" the server's answer is here; "main", "top", "side", "front" the view shows it;
-    "film" the picture of the video is shown; "pass" a tracking pass has come, "pass seen" is drawn.
+    "trail" the dots of the motion are drawn anew; "film" the picture of the video is shown; "pass"
+    a tracking pass has come, "pass seen" is drawn.
     """
 
     def __init__(self, page: Page) -> None:

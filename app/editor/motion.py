@@ -16,6 +16,7 @@ from keypose.app.editor.frames import (
     up_in_world,
     up_of,
 )
+from keypose.app.editor.live import at_hand
 from keypose.app.editor.shown import counts, find, is_met, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import angle_curve_deg, angles_deg, handles
@@ -122,7 +123,7 @@ def _with_posed(
 def _motions(edit: EditorState, frames: NDArray[np.int64]) -> Iterator[tuple[Array, Array]]:
     """Rotations and positions at ascending frames, segment by segment, tracked or interpolated."""
     doc, done = edit.settled, 0
-    fitting = edit.results.fitting(doc)
+    fitting = edit.fitting if doc is edit.doc else edit.results.fitting(doc)
     for start, end in doc.spans:
         stop = int(np.searchsorted(frames, end, side="right"))
         wanted, done = frames[done:stop], stop
@@ -169,8 +170,9 @@ def end_trail(edit: EditorState) -> EndTrail | None:
     outside.
 
     Of the document without the gesture under way, which outdates what was tracked only when it
-    ends.
+    ends; with Live on it follows the gesture.
     """
+    edit = at_hand(edit)
     doc = edit.settled
     ends = sorted({frame for span in doc.spans for frame in span})
     if not ends or not ends[0] <= edit.frame <= ends[-1]:

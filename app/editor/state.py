@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -22,7 +23,8 @@ from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin, pins_apart
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.results import Fitting, Results, pose_at
+from keypose.tracker.storage.results import Fitting, Results, Span, pose_at
+from keypose.tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
     from keypose.app.editor.copied import Copied
@@ -64,6 +66,14 @@ class Stroke:
 
 
 @dataclass(frozen=True, eq=False)
+class Previews:
+    """The newest preview of each segment that a gesture changes. gesture: its name."""
+
+    gesture: str = ""
+    by_span: Mapping[Span, SegmentResult] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
 class EditorState:
     """doc: the session as it stands, results left out.  file_times_s: (frames,) seconds as the
     video's file has them.  timecode: the video's.
@@ -73,7 +83,8 @@ class EditorState:
     body is shown beside this one's, as an outline.  proposed_pins: what was proposed when the
     pins changed last, until it is known anew; dismissed_pins: what was refused of it.  kept: the
     motion from before it was reduced to keyframes.  posed_by_corners: poses of boxes whose corners
-    were put in their places, the latest last.
+    were put in their places, the latest last.  previews: what was found for poses of a gesture.
+    stands_in: shown in place of the results of the present segments; None where these are.
     """
 
     doc: Session
@@ -94,6 +105,8 @@ class EditorState:
     timecode: Timecode | None = None
     kept: Trajectory | None = None
     posed_by_corners: tuple[PosedByCorners, ...] = ()
+    previews: Previews = Previews()
+    stands_in: Fitting | None = None
 
     @property
     def camera(self) -> Camera:
@@ -121,8 +134,8 @@ class EditorState:
 
     @cached_property
     def fitting(self) -> Fitting:
-        """The results of the present segments."""
-        return self.results.fitting(self.doc)
+        """The results of the present segments, or what stands in for them."""
+        return self.results.fitting(self.doc) if self.stands_in is None else self.stands_in
 
     def tracked(self, frame: int) -> Pose | None:
         """The tracked pose at a frame."""

@@ -10,17 +10,19 @@ from typing import Literal, TypeAlias
 from keypose.app.document.open import OpenSession
 from keypose.app.editor.advice import why_nothing_to_do
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.live import let_go, moved_spans
+from keypose.app.editor.state import EditorState, Previews
 from keypose.app.jobs.ahead import Following
 from keypose.app.jobs.job import Ended, Failed, Finished, Job, JobState, Progress, Report, Warming
 from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.space import SolveSpace
-from keypose.app.jobs.track import Track, Tracked
+from keypose.app.jobs.track import Track, Tracked, found_in
 from keypose.app.jobs.tracking import Tracking
 from keypose.app.store.state import Running
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.space.result import SpaceResult
+from keypose.tracker.storage.fingerprints import keys_of_spans
 from keypose.tracker.storage.results import Results, Span, segment_keys
 from keypose.tracker.tracking.pool import SegmentFinished
 
@@ -37,6 +39,7 @@ def _ignore(_: Ended) -> None:
 
 class Runner:
     """One job at a time. `notify` is called after each report; its flag: a segment is done.
+    `previewed` is called with what is found while a hand moves a keyframe.
 
     What a person waits for goes before tracking: what is at work, and what is asked for meanwhile,
     waits for it and is resumed, as it is posed then, by `resume`. What follows by itself begins
@@ -44,9 +47,12 @@ class Runner:
     """
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, notify: Callable[[Runner, bool], None]
+        self,
+        loop: asyncio.AbstractEventLoop,
+        notify: Callable[[Runner, bool], None],
+        previewed: Callable[[Previews], None],
     ) -> None:
-        self._notify = notify
+        self._notify, self._previewed = notify, previewed
         self._tracking = Tracking(self._on_report, loop)
         self._jobs: dict[int, Job] = {}
         """Of this session, those that have not ended."""
@@ -59,6 +65,13 @@ class Runner:
         self._waiting: frozenset[Span] = frozenset()
         self._interrupted: frozenset[Span] = frozenset()
         self._unsolvable: frozenset[str] = frozenset()
+        self._hand: EditorState | None = None
+        """As a hand has it by now."""
+        self._is_newer = False
+        """Whether no preview was asked for of that yet."""
+        self._film: OpenSession | None = None
+        self._preview_job = 0
+        self.previews = Previews()
         self._before = JobState()
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
@@ -75,6 +88,8 @@ class Runner:
         """No session is open any more; what a job still reports does not count."""
         self._tracking.cancel()
         self._jobs, self._number, self._fitting, self._waiting = {}, 0, False, frozenset()
+        self._hand = self._film = None
+        self._is_newer, self._preview_job, self.previews = False, 0, Previews()
         self.running, self.results, self.job = {}, None, JobState()
         self.following = None
 
@@ -89,9 +104,52 @@ class Runner:
             self._tracking.cancel()  # keyframes are gone: nothing is left of what is tracked
         if not edit.display.live or opened is None or not edit.doc.spans:
             return
-        wanted = _touching(edit, edit.results.wanted(edit.doc))
+        results = self._let_go(edit)
+        wanted = _touching(edit, results.wanted(edit.doc))
         if wanted and not self._is_tracking(wanted):
-            self._start(opened, edit.doc, wanted, ("preview", edit.doc.settings.quality))
+            is_previewed = set(wanted).isdisjoint(results.wanted(edit.doc, "preview"))
+            stages: tuple[Quality, ...] = () if is_previewed else ("preview",)
+            self._start(opened, edit.doc, wanted, (*stages, edit.doc.settings.quality))
+
+    def _let_go(self, edit: EditorState) -> Results:
+        """The results, with what followed the hand until it let go."""
+        results, hand = self.results or edit.results, self._hand
+        if hand is not None and hand.doc is edit.doc:
+            results = self.results = let_go(replace(hand, previews=self.previews), results)
+        self._hand, self.previews, self._is_newer = None, Previews(), False
+        return results
+
+    def dragged(self, opened: OpenSession | None, edit: EditorState) -> None:
+        """A hand moved a keyframe, with live on: the segments beside it are tracked at once, where
+        nothing else is at work; for the newest poses, once those at work are done."""
+        if opened is None or edit.stroke is None:
+            return
+        if self.previews.gesture != edit.stroke.name:
+            self.previews = Previews(edit.stroke.name)
+        self._hand, self._film, self._is_newer = edit, opened, True
+        self._preview_newest()
+
+    def _preview_newest(self) -> None:
+        if self._hand is None or self._film is None or not self._is_newer:
+            return
+        if self._preview_job or self.job.state == "running":
+            return
+        self._is_newer, doc = False, self._hand.doc
+        keys = keys_of_spans(doc, moved_spans(self._hand))
+        wanted = [(*span, key) for span, key in keys.items()]
+        place, folder = self._film.video.info.path, self._film.session_path.parent
+        if wanted:
+            job = Track.of(doc, place, wanted, ("preview",), folder)
+            self._preview_job = self._tracking.start(job)
+
+    def _on_preview(self, report: Report) -> None:
+        if isinstance(report, Progress) and isinstance(found := found_in(report), SegmentFinished):
+            by_span = {**self.previews.by_span, found.result.span: found.result}
+            self.previews = replace(self.previews, by_span=by_span)
+        if isinstance(report, Finished | Failed):
+            self._preview_job = 0
+            self._preview_newest()
+        self._previewed(self.previews)
 
     def track(
         self, opened: OpenSession, edit: EditorState, what: What, frames: Span | None = None
@@ -199,6 +257,7 @@ class Runner:
         self._begin(self._track, "starting")
 
     def _begin(self, job: Job, words: str, on_end: OnEnd = _ignore) -> None:
+        self._is_newer, self._preview_job = False, 0
         self._number, self._on_end = self._tracking.start(job), on_end
         self._jobs[self._number] = job
         self._has_begun = False
@@ -215,6 +274,9 @@ class Runner:
         newest job alone."""
         finished = False
         if self.results is None:
+            return
+        if report.job is not None and report.job == self._preview_job:
+            self._on_preview(report)
             return
         if report.job is not None:
             job = self._jobs.get(report.job)

@@ -21,8 +21,9 @@ from keypose.app.document.library.names import clean_name
 from keypose.app.document.open import OpenSession, with_kept_motion
 from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.live import moved_spans
 from keypose.app.editor.message import Look
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.state import EditorState, Previews
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
 from keypose.app.jobs.job import JobState
@@ -77,7 +78,7 @@ class Store:
         self._app_state = AppState(server=secrets.token_hex(8))
         self._sections = Sections()
         self._tabs = Tabs()
-        self._runner = Runner(loop, self._on_progress)
+        self._runner = Runner(loop, self._on_progress, self._on_previews)
         self._fitter = Fitter(self._runner, self)
         self._learner = DraftLearner(self._runner, self)
         self._keypoints = KeypointFinder(loop, lambda known: self._set(keypoints=known))
@@ -206,8 +207,11 @@ class Store:
             return
         if edit.stroke is None and edit.doc is not before.settled:
             self._runner.changed(self.opened, edit)
+            self._take_previewed()
             self._learner.edited(before, edit)
             self._solve_space()
+        elif moved_spans(edit) and edit.doc is not before.doc:
+            self._runner.dragged(self.opened, edit)
         self._fitter.changed()
         self._learner.go_on()
 
@@ -262,6 +266,17 @@ class Store:
                 self._writer.save()
                 self._learner.go_on()
                 self._solve_space()
+
+    def _on_previews(self, found: Previews) -> None:
+        """The tracker has followed a hand's move: shown at once."""
+        if (edit := self._app_state.edit) is not None:
+            self._set(edit=replace(edit, previews=found))
+
+    def _take_previewed(self) -> None:
+        """Take over what was found during a gesture for the poses it ended with."""
+        edit, results = self._app_state.edit, self._runner.results
+        if edit is not None and results is not None and results is not edit.results:
+            self._set(edit=replace(edit, results=results))
 
     def _solve_space(self) -> None:
         """The motion in space follows by itself from what was tracked, where it may be saved."""

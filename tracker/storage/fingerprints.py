@@ -78,6 +78,13 @@ def segment_key(session: Session, first: int, last: int) -> str:
     return _keys_of(session)[first, last]
 
 
+def keys_of_spans(session: Session, spans: Sequence[Span]) -> dict[Span, str]:
+    """The keys of a few segments, for a session of which no others are asked."""
+    setup = _setup(session)
+    at = {keyframe.frame: keyframe for keyframe in session.subject.keyframes}
+    return {span: _key(session, setup, at, span) for span in spans}
+
+
 def without_part_keyframes(session: Session) -> Session:
     """The session whose segments are tracked before limbs are set right in them."""
     if not session.subject.part_keyframes:

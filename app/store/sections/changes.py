@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from keypose.app.editor.documents import unchanged
+from keypose.app.editor.live import moved_spans
 from keypose.app.store.sections import (
     angle_values,
     body_values,
@@ -76,6 +77,14 @@ def _curve_poses(app_state: AppState) -> tuple[Any, ...]:
     long = app_state.edit is not None and app_state.edit.frame_count > LONG_CURVE
     names = ("body", "keyframes", "drafts")
     return (_settled if long else _doc)(*names)(app_state)
+
+
+def _in_hand(app_state: AppState) -> tuple[Any, ...]:
+    """Return what the motion that follows a gesture is made of."""
+    edit = app_state.edit
+    if edit is None or not moved_spans(edit):
+        return ()
+    return edit.doc.subject.keyframes, edit.previews
 
 
 def _before_camera(app_state: AppState) -> tuple[Any, ...]:
@@ -160,7 +169,7 @@ SECTIONS: dict[str, _Section] = {
         angle_values.joint_angle,
     ),
     "trail": _Section(
-        _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
+        _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display"), _in_hand),
         body_values.trail,
     ),
     "pins": _Section(

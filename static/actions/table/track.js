@@ -129,7 +129,7 @@ export const TRACK = {
   live: {
     also: 'auto track realtime automatic',
     label: () => `${words().verb} while posing`, keys: ['L'],
-    title: () => `${words().verb} the neighbouring segments each time a keyframe changes`,
+    title: () => `${words().verb} the neighbouring segments at each move of a keyframe`,
     on: () => Boolean(server.view?.live), message: () => ({ do: 'live', on: !server.view?.live }),
   },
   nextProblem: {

@@ -23,10 +23,12 @@ from keypose.app.store.runner import Runner
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.session import Session
+from keypose.tracker.storage.results import segment_keys
 from keypose.tracker.tracking.pool import PassFinished, SegmentFinished, never
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
+from tests.app.editor.test_live import track
 from tests.app.jobs.job_cases import segment_done
 from tests.app.results_cases import judged
 from tests.tracker.session_cases import VERDICTS
@@ -88,7 +90,7 @@ class Orders:
 def runner(monkeypatch: pytest.MonkeyPatch) -> Runner:
     monkeypatch.setattr(running, "Tracking", Orders)
     news: list[bool] = []
-    made = Runner(None, lambda _, finished: news.append(finished))  # type: ignore[arg-type]
+    made = Runner(None, lambda _, finished: news.append(finished), lambda _: None)  # type: ignore[arg-type]
     made.news = news  # type: ignore[attr-defined]
     made.opened(desk())
     return made
@@ -230,6 +232,64 @@ def test_with_live_on_what_an_edit_made_outdated_is_tracked_at_once(runner: Runn
     turned = after(edit, {"do": "key_angle", "frame": 24, "part": "head", "axis": "x", "deg": 12})
     runner.changed(PIECE, turned)
     assert len(orders(runner).wanted) == 2
+
+
+def moved(state: EditorState, deg: float) -> EditorState:
+    """A hand turns the head at a keyframe."""
+    return after(state, {"do": "angles", "part": "head", "x": deg, "stroke": "s"})
+
+
+def test_with_live_on_each_move_of_a_hand_is_previewed_the_newest_once_one_is_done(
+    runner: Runner,
+) -> None:
+    live = after(desk(), LIVE, {"do": "go", "frame": 24})
+    first, second, third = (moved(live, deg) for deg in (10, 20, 30))
+    for state in (first, second, third):
+        runner.dragged(PIECE, state)
+    assert orders(runner).wanted == [[(0, 24), (24, 48)]]
+    assert orders(runner).stages == [("preview",)]
+    assert runner.job.state == "idle", "nobody asked for a job"
+    found = result(runner, 0)
+    orders(runner).reporters[1].report(SegmentFinished(0, 1, found))
+    assert runner.previews.by_span == {(0, 24): found}
+    assert runner.results is not None
+    assert len(runner.results) == 0, "poses that a hand passed are kept nowhere"
+    orders(runner).say(Finished(1))
+    keys = orders(runner).keys
+    assert keys[1] == [segment_keys(third.doc)[span] for span in ((0, 24), (24, 48))]
+    orders(runner).say(Finished(2))
+    assert len(keys) == 2, "and no more, while the hand rests"
+
+
+def test_where_a_hand_let_go_its_previews_count_and_the_rest_is_tracked(runner: Runner) -> None:
+    live = after(desk(), LIVE, {"do": "go", "frame": 24})
+    state = moved(live, 10)
+    runner.dragged(PIECE, state)
+    for number, span in enumerate([(0, 24), (24, 48)]):
+        found = replace(track(state, span, 0.1), quality="preview")
+        orders(runner).reporters[1].report(SegmentFinished(number, 1, found))
+    orders(runner).say(Finished(1))
+    ended = after(state, {"do": "end_stroke", "stroke": "s"})
+    runner.changed(PIECE, ended)
+    assert runner.results is not None
+    assert set(runner.results.fitting(ended.doc)) == {(0, 24), (24, 48)}
+    assert orders(runner).stages[1:] == [("full",)]
+    assert runner.previews.by_span == {}
+
+
+def test_no_hand_takes_the_worker_from_a_job(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    live = moved(after(desk(), LIVE, {"do": "go", "frame": 24}), 10)
+    runner.dragged(PIECE, live)
+    runner.dragged(None, live)
+    assert len(orders(runner).jobs) == 1
+    orders(runner).say(Finished(1))
+    runner.dragged(PIECE, live)
+    assert len(orders(runner).jobs) == 2
+    runner.track(PIECE, desk(), "all")
+    found = replace(judged(0, 24), key="late")
+    orders(runner).reporters[2].report(SegmentFinished(0, 1, found))
+    assert runner.previews.by_span == {}, "what was asked for meanwhile goes first"
 
 
 def test_live_waits_for_a_switch_a_session_and_a_segment(runner: Runner) -> None:

@@ -1,0 +1,88 @@
+"""The motion while a hand moves a keyframe, with Live on.
+
+Segments beside the keyframe are shown as a preview found them for a pose of this gesture, or as
+they were tracked before it, bent to where the keyframe is now: what either misses it by comes and
+goes over the segment without a kink. So the motion follows every move, however long tracking takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+
+from keypose.app.editor.state import EditorState
+from keypose.tracker.body.trajectory import Pass, displaced
+from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.storage.fingerprints import ById, Span
+from keypose.tracker.storage.results import Fitting, Results, segment_keys
+from keypose.tracker.tracking.result import SegmentResult
+
+
+def moved_spans(state: EditorState) -> tuple[Span, ...]:
+    """The segments beside the keyframes that the gesture under way has moved; none without Live."""
+    if state.stroke is None or not state.display.live:
+        return ()
+    before, now = state.stroke.before.subject, state.doc.subject
+    if now.keyframes is before.keyframes or now.body is not before.body:
+        return ()
+    was, at = _by_frame(before.keyframes), _by_frame(now.keyframes)
+    return tuple(
+        span
+        for span in state.doc.spans
+        if all(end in at for end in span) and any(at[end] is not was.get(end) for end in span)
+    )
+
+
+def at_hand(state: EditorState) -> EditorState:
+    """The state as if the gesture were over, its motion bent to the keyframes that it moved; the
+    state itself where it moved none."""
+    moved = moved_spans(state)
+    if not moved:
+        return state
+    assert state.stroke is not None
+    tracked = _tracked(ById(state.results), ById(state.stroke.before))
+    is_its = state.previews.gesture == state.stroke.name
+    previews = state.previews.by_span if is_its else {}
+    at = _by_frame(state.doc.subject.keyframes)
+    fitting = {span: tracked[span] for span in state.doc.spans if span in tracked}
+    for span in moved:
+        fitting.pop(span, None)
+        known = previews.get(span) or _around(tracked, span)
+        if known is not None:
+            start, end = (at[frame].pose(state.skeleton) for frame in span)
+            motion = displaced(known.trajectory, start, end, *span)
+            fitting[span] = SegmentResult.on_the_way(Pass("bent", motion, None))
+    return replace(state, stroke=None, stands_in=fitting)
+
+
+def let_go(state: EditorState, results: Results) -> Results:
+    """The results once the gesture under way ends as it is: with the previews of its poses, and
+    where there is none its bent motion, until the segment is tracked."""
+    moved, shown = moved_spans(state), at_hand(state).fitting
+    keys = segment_keys(state.doc)
+    for span in moved:
+        preview = state.previews.by_span.get(span)
+        if preview is not None and preview.key == keys[span]:
+            results = results.with_result(preview, tuple(keys.values()))
+        elif keys[span] not in results.by_key and span in shown:
+            bent = replace(shown[span], key=keys[span], quality="preview")
+            results = results.with_result(bent, tuple(keys.values()))
+    return results
+
+
+def _around(tracked: Mapping[Span, SegmentResult], span: Span) -> SegmentResult | None:
+    """The segment in which a span lies: a new keyframe parts one."""
+    first, last = span
+    return next((t for (a, b), t in tracked.items() if a <= first and last <= b), None)
+
+
+def _by_frame(keyframes: tuple[Keyframe, ...]) -> dict[int, Keyframe]:
+    return {keyframe.frame: keyframe for keyframe in keyframes}
+
+
+@lru_cache(maxsize=2)
+def _tracked(results: ById, doc: ById) -> Fitting:
+    """What was known before the gesture: the same at each of its moves."""
+    found: Fitting = results.it.fitting(doc.it)
+    return found
