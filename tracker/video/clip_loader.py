@@ -15,6 +15,7 @@ from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.steady import SteadyCamera
+from keypose.tracker.limits import give_back_beyond
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
 from keypose.tracker.video.panorama import Panorama, Shown, exposure_of, panorama_of, sampled
@@ -153,6 +154,7 @@ class ClipLoader:
         room = min(KEPT_SHARE * self.memory, self.memory - PROCESS_BYTES - needed)
         while self._ready and sum(_size(clip.levels) for clip in self._ready.values()) > room:
             self._ready.popitem(last=False)
+        give_back_beyond(self.memory)
 
     def _prepare_clip(self, first: int, last: int) -> Clip:
         """A clip in which frames that are ready are not prepared again. They are taken over before
