@@ -87,7 +87,7 @@ const BARE = `
 const RENDERED_FRAMES = 3;
 const GREATEST_DPR = 2;
 const POLL_MS = 30;
-/** viser draws once a second even when nothing happens: not after so long. */
+/** viser wakes once a second even when nothing happens: not after so long. */
 const AWAKE_MS = 5000;
 const NODE = '/camera';
 
@@ -204,8 +204,10 @@ export class Picture {
 
   /** One picture per request and one after it has settled; viser would draw on for 15 frames. */
   #limitRendering(inside) {
-    const { invalidate, gl } = inside.scene.__r3f?.root?.getState?.() ?? {};
+    const state = inside.scene.__r3f?.root?.getState;
+    const { invalidate, gl, setFrameloop } = state?.() ?? {};
     if (!invalidate) return;
+    const loop = (kind) => state().frameloop !== kind && setFrameloop(kind);
     let [planned, settled] = [0, 0];
     let [drawn, unread, skipped] = [0, false, false];
     let requested = performance.now();
@@ -220,7 +222,7 @@ export class Picture {
       const now = performance.now();
       // A tab in the background may draw a request much later; and until there is something to see,
       // what viser is sent may come later than any request.
-      if (this.#isReady && drawn >= requested && now - requested > AWAKE_MS) return;
+      if (this.#isReady && drawn >= requested && now - requested > AWAKE_MS) return loop('never');
       if (this.#isReady && this.#isHidden()) return;
       const pace = this.#pace();
       const wait = Math.max(drawn + pace.rest, requested + pace.behind) - now;
@@ -236,6 +238,7 @@ export class Picture {
       const now = performance.now();
       if (!planned) requested = now;
       unread = true;
+      loop('demand');
       invalidate();
       clearTimeout(settled);
       settled = setTimeout(invalidate, this.#pace().settled);
