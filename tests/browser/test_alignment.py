@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from keypose.tracker.geometry.rotations import Array
-from tests.browser.interaction import section, until
+from tests.browser.interaction import section, until, until_state
 from tests.browser.shared import Desk, desk
 
 LIMIT_PX = 0.5
@@ -155,3 +155,24 @@ def test_a_lens_with_its_axis_off_the_middle_is_followed(page: Page) -> None:
         return rms(drawn(seen), filmed(seen, section(page, "camera"))) <= LIMIT_PX
 
     until(lies_right, "the body on the picture")
+
+
+_LOOPS = """
+() => [...document.querySelectorAll('iframe.viser')].map((frame) => (
+  frame.contentWindow.__viserMutable.scene.__r3f.root.getState().frameloop
+))
+"""
+
+
+def test_views_sleep_where_nothing_happens_and_draw_what_happens_then(page: Page) -> None:
+    until(lambda: set(page.evaluate(_LOOPS)) == {"never"}, "sleep")
+    camera, before = section(page, "camera"), drawn(look(page, "main"))
+    page.keyboard.press("ArrowRight")
+    until_state(page, "view.frame", lambda frame: frame == 1)
+
+    def lies_right() -> bool:
+        seen = look(page, "main")
+        return rms(drawn(seen), filmed(seen, camera)) <= LIMIT_PX
+
+    until(lies_right, "the body where it is now")
+    assert rms(drawn(look(page, "main")), before) > LIMIT_PX
