@@ -9,6 +9,9 @@ The names below are the whole of what most programs need:
         for event in track_session(session, video):
             ...                      # SegmentStarted, PassFinished, SegmentFinished, TrackFinished
 
+Sessions that were drafted, or have imported keypoints, are tracked with what lies beside their
+file: `track_session(session, video, keypoints=keypoints_of_session(session, path.parent))`.
+
 They are imported when first used, so that importing a corner of the package costs only that corner.
 """
 
@@ -41,6 +44,7 @@ _MODULES = {
     "VideoReference": "keypose.tracker.session",
     "evaluate": "keypose.tracker.evaluate",
     "interpolate": "keypose.tracker.body.trajectory",
+    "keypoints_of_session": "keypose.tracker.storage.sidecars",
     "load_session": "keypose.tracker.storage.files",
     "open_video_of": "keypose.tracker.storage.files",
     "preset": "keypose.tracker.body.body",

@@ -20,11 +20,13 @@ from keypose.tracker.tracking.result import SegmentResult
 
 
 def moved_spans(state: EditorState) -> tuple[Span, ...]:
-    """The segments beside the keyframes that the gesture under way has moved; none without Live."""
-    if state.stroke is None or not state.display.live:
+    """The segments of a film beside the keyframes that the gesture under way has moved; none
+    without Live, nor where they follow a change of the body or the lens."""
+    if state.stroke is None or not state.display.live or state.doc.evidence.has_surface:
         return ()
     before, now = state.stroke.before.subject, state.doc.subject
-    if now.keyframes is before.keyframes or now.body is not before.body:
+    is_same = now.body is before.body and state.doc.view is state.stroke.before.view
+    if now.keyframes is before.keyframes or not is_same:
         return ()
     was, at = _by_frame(before.keyframes), _by_frame(now.keyframes)
     return tuple(
@@ -81,7 +83,7 @@ def _by_frame(keyframes: tuple[Keyframe, ...]) -> dict[int, Keyframe]:
     return {keyframe.frame: keyframe for keyframe in keyframes}
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=1)
 def _tracked(results: ById, doc: ById) -> Fitting:
     """What was known before the gesture: the same at each of its moves."""
     found: Fitting = results.it.fitting(doc.it)

@@ -29,9 +29,6 @@ from keypose.tracker.tracking.pool import (
 if TYPE_CHECKING:
     from keypose.tracker.storage.results import Results, Span
 
-LIVE: tuple[Quality, ...] = ("preview", "full")
-"""The stages while a person poses: something to see at once, then what is meant."""
-
 Found: TypeAlias = PassFinished | SegmentFinished
 
 

@@ -35,6 +35,7 @@ from keypose.tracker.errors import KeyposeError, one_sentence
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.fingerprints import has_drafted_keypoints
 from keypose.tracker.video import Video
 
 
@@ -112,7 +113,8 @@ class Outputs:
         frame = request.path_params["frame"]
         try:
             edit, video = await self._require_open()
-            known = self._store.app_state.keypoints.of_segment
+            drafted = has_drafted_keypoints(edit.settled)  # which has outlines, or nothing
+            known = None if drafted else self._store.app_state.keypoints.of_segment
             content = await asyncio.to_thread(_person_png, edit, video, frame, known)
         except KeyposeError as error:
             return _refused(error)

@@ -28,7 +28,7 @@ from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.cache import found_before
-from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.fingerprints import Span, has_drafted_keypoints
 from keypose.tracker.storage.sidecars import keypoints_of_session
 from keypose.tracker.video import Video, VideoInfo
 
@@ -206,7 +206,7 @@ def _of_segment(doc: Session, span: Span | None, drafted: _Read) -> _Question:
         return _Question(("segment",), lambda: None)
     ends = [keyframe for keyframe in doc.subject.keyframes if keyframe.frame in span]
     camera = doc.view.camera, doc.view.camera_motion, doc.view.camera_keyframes
-    network = doc.settings.network, doc.view.keypoints
+    network = doc.settings.network, doc.view.keypoints, has_drafted_keypoints(doc)
     made_of = ("segment", *span, *ends, doc.subject.body, *camera, *network)
     return _Question(made_of, lambda: found_before(doc, span, drafted()))
 

@@ -39,7 +39,10 @@ def _ignore(_: Ended) -> None:
 
 class Runner:
     """One job at a time. `notify` is called after each report; its flag: a segment is done.
-    `previewed` is called with what is found while a hand moves a keyframe.
+
+    While a hand moves a keyframe with live on, previews of the segments beside it follow one
+    another, where no job is at work; they are no jobs that are shown. `previewed` is called with
+    what they find.
 
     What a person waits for goes before tracking: what is at work, and what is asked for meanwhile,
     waits for it and is resumed, as it is posed then, by `resume`. What follows by itself begins
@@ -71,6 +74,8 @@ class Runner:
         """Whether no preview was asked for of that yet."""
         self._film: OpenSession | None = None
         self._preview_job = 0
+        self._follows: frozenset[Span] = frozenset()
+        """The segments that are tracked since a gesture with live on ended."""
         self.previews = Previews()
         self._before = JobState()
         self.results: Results | None = None
@@ -102,32 +107,46 @@ class Runner:
         what it made outdated is tracked at once."""
         if self.running and not self._fitting and not {*self.running} & {*edit.doc.spans}:
             self._tracking.cancel()  # keyframes are gone: nothing is left of what is tracked
+        results = self._let_go(edit)
         if not edit.display.live or opened is None or not edit.doc.spans:
             return
-        results = self._let_go(edit)
         wanted = _touching(edit, results.wanted(edit.doc))
         if wanted and not self._is_tracking(wanted):
             is_previewed = set(wanted).isdisjoint(results.wanted(edit.doc, "preview"))
             stages: tuple[Quality, ...] = () if is_previewed else ("preview",)
             self._start(opened, edit.doc, wanted, (*stages, edit.doc.settings.quality))
+            self._follows = frozenset((first, last) for first, last, _ in wanted)
 
     def _let_go(self, edit: EditorState) -> Results:
         """The results, with what followed the hand until it let go."""
         results, hand = self.results or edit.results, self._hand
         if hand is not None and hand.doc is edit.doc:
             results = self.results = let_go(replace(hand, previews=self.previews), results)
-        self._hand, self.previews, self._is_newer = None, Previews(), False
+        self.forget_hand()
         return results
+
+    def forget_hand(self) -> None:
+        """No hand moves a keyframe any more."""
+        self._hand, self.previews, self._is_newer = None, Previews(), False
 
     def dragged(self, opened: OpenSession | None, edit: EditorState) -> None:
         """A hand moved a keyframe, with live on: the segments beside it are tracked at once, where
         nothing else is at work; for the newest poses, once those at work are done."""
-        if opened is None or edit.stroke is None:
+        if opened is None or edit.stroke is None or edit.doc.settings.method == "paper":
             return
+        if self.job.state == "running" and self._follows and self._follows <= {*moved_spans(edit)}:
+            self._leave_outdated()
         if self.previews.gesture != edit.stroke.name:
             self.previews = Previews(edit.stroke.name)
         self._hand, self._film, self._is_newer = edit, opened, True
         self._preview_newest()
+
+    def _leave_outdated(self) -> None:
+        """Leave the tracking that followed the last gesture, which this one outdates."""
+        self._tracking.cancel()
+        self._number, self._follows = 0, frozenset()
+        self.job, self.running = JobState(), {}
+        self._notify(self, False)
 
     def _preview_newest(self) -> None:
         if self._hand is None or self._film is None or not self._is_newer:
@@ -257,7 +276,7 @@ class Runner:
         self._begin(self._track, "starting")
 
     def _begin(self, job: Job, words: str, on_end: OnEnd = _ignore) -> None:
-        self._is_newer, self._preview_job = False, 0
+        self._preview_job, self._follows = 0, frozenset()
         self._number, self._on_end = self._tracking.start(job), on_end
         self._jobs[self._number] = job
         self._has_begun = False
@@ -311,6 +330,7 @@ class Runner:
                 if not self._fitting:
                     self.job, self.running = self._ended(report, job), {}
                 self._on_end(report)
+                self._preview_newest()
 
     def _ended(self, end: Ended, job: Job) -> JobState:
         if isinstance(end, Failed) and job.failed:

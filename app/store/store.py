@@ -212,6 +212,8 @@ class Store:
             self._solve_space()
         elif moved_spans(edit) and edit.doc is not before.doc:
             self._runner.dragged(self.opened, edit)
+        elif before.stroke is not None and edit.stroke is None:
+            self._runner.forget_hand()
         self._fitter.changed()
         self._learner.go_on()
 

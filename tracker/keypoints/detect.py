@@ -382,7 +382,8 @@ class _DetectionRun:
             picture = self.frame(seed.frame)
             return Rows.begun(seed.region, self.network, picture, MOST_LOOKS_AT_SEED).stretch()
 
-        stretch = self._kept(("seed", seed.frame, astuple(seed.region)), 1, look)
+        key = ("seed until it stays", seed.frame, astuple(seed.region))
+        stretch = self._kept(key, 1, look)
         return None if stretch.lost_for[0] else _Start(seed.frame, stretch)
 
     def chain(self, start: _Start, direction: int, last: int) -> DetectionWindow:

@@ -108,8 +108,6 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
     pose = _pose(ById(keyframe), session.subject.body.names)
     setup = [keyframe.frame, _body(ById(session.subject.body)), _camera(ById(session.view.camera))]
     setup += _woven(session)
-    if session.view.keypoints is not None and has_drafted_keypoints(session):
-        setup += session.view.keypoints.runs
     return hashlib.sha256(json.dumps(setup).encode() + pose).hexdigest()[:16]
 
 
@@ -214,29 +212,31 @@ def _own_start(session: Session, span: Span) -> list[Any]:
 
 def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
     """The masks clipped to the segment; their other frames do not count. Where keypoints count,
-    also what a person said of them there."""
+    also what a person said of them there, and where the person is looked for, what a draft saw."""
     first, last = span
     within = [
         (max(first, mask.first_frame), min(last, mask.last_frame), mask.polygon)
         for mask in session.view.ignore_masks
         if mask.first_frame <= last and mask.last_frame >= first
     ]
+    found: list[Any] = [*sorted(within), *_drafted(session, span)]
     if not _uses_keypoints(session):
-        return sorted(within)
+        return found
     corrected = [
         [each.frame, each.joint, each.uv]
         for each in session.view.keypoint_corrections
         if first <= each.frame <= last
     ]
-    found: list[Any] = [*sorted(within), *_drafted(session, span)]
     return [*found, {"keypoints": corrected}] if corrected else found
 
 
 def has_drafted_keypoints(session: Session) -> bool:
-    """Return whether a draft's keypoints serve segments as well: the same network's, with masks of
-    the person where these are wanted."""
-    drafted = session.view.keypoints
-    if drafted is None or not drafted.runs or (needs_masks(session) and not drafted.masks):
+    """Return whether a draft's keypoints serve segments as well, for their keypoints or for their
+    silhouette: the same network's, with masks of the person where these are wanted."""
+    drafted, masks = session.view.keypoints, _looks_for_person(session)
+    if drafted is None or not drafted.runs or (masks and not drafted.masks):
+        return False
+    if not masks and not _uses_keypoints(session):
         return False
     return drafted.model == _digest(session.settings.network_used)
 
@@ -248,6 +248,12 @@ def _drafted(session: Session, span: Span) -> list[Any]:
     first, last = span
     runs = session.view.keypoints.runs[first // KEYPOINT_RUN : last // KEYPOINT_RUN + 1]
     return [{"drafted": runs}] if runs else []
+
+
+def _looks_for_person(session: Session) -> bool:
+    """Return whether a network's masks judge the silhouette."""
+    keypose = session.settings.method == "keypose"
+    return keypose and needs_masks(session) and is_persons(session.subject.body)
 
 
 def needs_masks(session: Session) -> bool:
@@ -352,7 +358,7 @@ def _cues(session: Session) -> list[Any]:
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
         if not needs_masks(session):
             cues += ["silhouette"]
-        elif is_persons(session.subject.body):
+        elif _looks_for_person(session):
             cues += ["person", _digest(settings.network_used)]
     return cues
 
@@ -360,7 +366,8 @@ def _cues(session: Session) -> list[Any]:
 def _keypoints(session: Session) -> list[Any]:
     """Return which keypoints count.
 
-    Those that a network finds follow from the film and the segment's own keyframes.
+    Those that a network finds follow from the film and the segment's own keyframes, and those of a
+    draft are counted by the segment (`_drafted`).
     """
     if not _uses_keypoints(session):
         return []

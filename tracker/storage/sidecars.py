@@ -18,7 +18,7 @@ Keypoints, whose numbers have four bytes, a fraction of a thousandth of a pixel:
     visibility   (N, L)     from 0 to 1, 0 where uv is NaN
     p_hips       (N, L, 3)  metres, NaN where unknown; left out where no depth is known
 
-and, of a draft from a camera that moves, where the person is in each frame (`mask_arrays.py`).
+and, of a draft of a film that shows no empty scene, where the person is (`mask_arrays.py`).
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,8 @@ def _carry(source: Path, place: Path) -> None:
     write_file(place, content, overwrite=True, error=SessionError)
 
 
+MOST_MASK_BYTES = 64 * 2**20
+"""Of masks beside keypoints, some 90,000 frames; with more the file could not be read again."""
 REDUCED = "reduced motion"
 """What a session's own motion is said to be from."""
 
@@ -228,6 +231,8 @@ def save_keypoints(
     seeds:   frames where somebody said where the body is.
     KeypointError in one sentence when the file cannot be written.
     """
+    if sum(len(mask.packed) for mask in keypoints.masks or () if mask) > MOST_MASK_BYTES:
+        keypoints = replace(keypoints, masks=None)
     content = archive_bytes(_arrays(keypoints))
     name = _keypoints_name(content)
     write_file(session_path.parent / name, content, overwrite=True, error=KeypointError)

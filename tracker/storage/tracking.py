@@ -13,6 +13,7 @@ from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.evidence import surfaces_of
@@ -115,10 +116,7 @@ def _found_keypoints(
         return None
     if session.view.given_keypoints is not None:
         if given is None:
-            raise SessionError(
-                f"The keypoints {session.view.given_keypoints.file} were not read; "
-                "tracking uses them."
-            )
+            raise _not_read(session.view.given_keypoints)
         return GivenKeypoints(given)
     found = detected_keypoints(session, video, masks=needs_masks(session))
     return _or_drafted(found, session, given)
@@ -126,9 +124,19 @@ def _found_keypoints(
 
 def _or_drafted(found: KeypointSource, session: Session, given: Keypoints | None) -> KeypointSource:
     """Return a network's keypoints, or a draft's where the body lies on them."""
-    if given is None or not has_drafted_keypoints(session):
+    drafted = session.view.keypoints
+    if drafted is None or not has_drafted_keypoints(session):
         return found
+    if given is None:
+        raise _not_read(drafted)
     return DraftedKeypoints(given, found, session.view.camera, session.camera_path)
+
+
+def _not_read(keypoints: KeypointFile) -> SessionError:
+    return SessionError(
+        f"The keypoints {keypoints.file} were not read; tracking uses them: pass those of "
+        "keypoints_of_session(session, folder)."
+    )
 
 
 def _people(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:

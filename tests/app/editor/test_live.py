@@ -69,7 +69,10 @@ def test_the_trail_of_both_segments_follows_a_keyframe_that_is_moved() -> None:
 def test_it_follows_no_hand_without_live_nor_where_no_keyframe_is_moved() -> None:
     off = after(live(), {"do": "live", "on": False}, turned(-70))
     draft = after(live(), {"do": "go", "frame": 30}, turned(-70))
-    for state in (live(), off, draft):
+    lens = after(live(), {"do": "field_of_view", "deg": 50.0, "stroke": "s"})
+    assert lens.stroke is not None
+    assert lens.doc.subject.keyframes != live().doc.subject.keyframes, "seen as before"
+    for state in (live(), off, draft, lens):
         assert moved_spans(state) == ()
         assert at_hand(state) is state
 

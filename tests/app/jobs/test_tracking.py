@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from keypose.app.jobs.job import Failed, Finished, Progress, Report, Warming
-from keypose.app.jobs.track import LIVE, Track
+from keypose.app.jobs.track import Track
 from keypose.app.jobs.tracking import Tracking
 from keypose.tracker.session import Session
 from keypose.tracker.storage.results import Results, segment_keys
@@ -90,7 +90,7 @@ async def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
 ) -> None:
     of, video = place
 
-    job = office.tracking.start(Track.of(of, video, wanted(of), LIVE))
+    job = office.tracking.start(Track.of(of, video, wanted(of), ("preview", "full")))
     assert office.tracking.job == job
     assert await office.ended(job) == Finished(job)
     assert office.tracking.job is None

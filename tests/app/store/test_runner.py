@@ -292,6 +292,39 @@ def test_no_hand_takes_the_worker_from_a_job(runner: Runner) -> None:
     assert runner.previews.by_span == {}, "what was asked for meanwhile goes first"
 
 
+def test_a_hand_takes_the_worker_from_what_followed_its_last_gesture(runner: Runner) -> None:
+    live = after(desk(), LIVE, {"do": "go", "frame": 24})
+    runner.changed(PIECE, live)
+    assert orders(runner).stages == [("preview", "full")]
+    far = after(live, {"do": "go", "frame": 72})
+    runner.dragged(PIECE, moved(far, 10))
+    assert len(orders(runner).jobs) == 1, "not where that tracks other segments"
+    runner.dragged(PIECE, moved(live, 10))
+    assert orders(runner).calls[-1] == "cancel"
+    assert orders(runner).stages[1:] == [("preview",)]
+    assert (runner.job.state, runner.running) == ("idle", {})
+    orders(runner).say(Finished(1, cancelled=True))
+    assert runner.job.state == "idle", "nobody cancelled anything"
+
+
+def test_what_a_hand_rests_at_is_previewed_once_a_job_has_ended(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    state = moved(after(desk(), LIVE, {"do": "go", "frame": 24}), 10)
+    runner.dragged(PIECE, state)
+    orders(runner).say(Finished(1))
+    assert orders(runner).stages[1:] == [("preview",)]
+    runner.dragged(PIECE, moved(state, 20))
+    runner.forget_hand()  # the gesture was cancelled
+    orders(runner).say(Finished(2))
+    assert len(orders(runner).jobs) == 2
+
+
+def test_the_published_method_has_no_previews(runner: Runner) -> None:
+    paper = after(desk(), {"do": "settings", "method": "paper"}, LIVE, {"do": "go", "frame": 24})
+    runner.dragged(PIECE, moved(paper, 10))
+    assert orders(runner).jobs == []
+
+
 def test_live_waits_for_a_switch_a_session_and_a_segment(runner: Runner) -> None:
     runner.changed(PIECE, desk())
     runner.changed(None, after(desk(), LIVE))

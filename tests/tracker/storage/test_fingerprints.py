@@ -209,6 +209,9 @@ def test_a_drafts_keypoints_count_in_the_segments_of_their_frames(
     assert keys(person, keypoints=drafted, settings=settings) == keys(person, settings=settings)
     outlined = drafted.model_copy(update={"masks": True})
     assert keys(person, keypoints=outlined, settings=settings) != keys(person, settings=settings)
+    alone = settings.model_copy(update={"cues": ("brightness", "silhouette")})
+    assert keys(person, keypoints=outlined, settings=alone) != keys(person, settings=alone)
+    assert keys(person, keypoints=drafted, settings=alone) == keys(person, settings=alone)
 
 
 def test_a_limb_keyed_alone_outdates_its_own_segment_and_without_it_all_is_as_before() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
 from keypose.tracker.keypoints.detectors import detector_fingerprint
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.model_files import find_model
@@ -99,6 +100,8 @@ def test_a_drafted_film_is_tracked_without_another_look(
         np.testing.assert_allclose(found.uv, drafted.over(one.frame, other.frame).uv, rtol=1e-6)
         with pytest.raises(Looked):
             keypoint_source(of_before, video, drafted).over(segment, *given)
+    with pytest.raises(SessionError, match=r"were not read.*keypoints_of_session"):
+        keypoint_source(session, video, None)
     span, key = next(iter(segment_keys(session).items()))
     assert key != segment_keys(plain)[span] == segment_keys(of_before)[span]
 
