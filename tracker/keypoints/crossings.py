@@ -28,7 +28,7 @@ MOVED: Final = 0.08
 SELDOM: Final = 8
 """... and one in so many where it stands."""
 FIRST_LOOKS: Final = 2
-"""The region where it begins is mended so often."""
+"""The region where it begins is looked at so often at most."""
 _TRUNK: Final = [NAMES.index(name) for name in TRUNK]
 
 

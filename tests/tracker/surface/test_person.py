@@ -18,7 +18,6 @@ from keypose.tracker.keypoints.detect import LOOK_PARTS
 from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.surface.cameras.hulls import Hulls
-from keypose.tracker.surface.cameras.person import LOOKS
 from keypose.tracker.surface.cameras.rig import Rig
 from keypose.tracker.surface.placing import Placement
 from tests.rendering.studio import write_studio
@@ -101,10 +100,10 @@ def test_the_first_step_is_looked_at_in_the_box_or_whole_and_others_where_it_was
     network = Disc()
     with Hulls(changed(cameras, box=box), VOXEL_M, network) as hulls:
         hulls.mesh(0)
-        assert network.looked == [first.rounded(LOOK_PARTS), *[BALL] * (LOOKS - 1)] * 3
+        assert network.looked == [first.rounded(LOOK_PARTS), BALL] * 3
         network.looked.clear()
         hulls.mesh(1)
-        assert network.looked == [BALL] * LOOKS * 3
+        assert network.looked == [BALL] * 3, "where it stays, no look more"
 
 
 def test_who_is_lost_is_looked_for_as_at_first(cameras: Path) -> None:
@@ -112,9 +111,9 @@ def test_who_is_lost_is_looked_for_as_at_first(cameras: Path) -> None:
     with Hulls(Rig.open(cameras), VOXEL_M, network) as hulls:
         hulls.mesh(0)
         network.looked.clear()
-        network.sees = lambda picture, region: len(network.looked) > LOOKS
+        network.sees = lambda picture, region: len(network.looked) > 1
         hulls.mesh(1)
-    assert network.looked[: LOOKS + 1] == [*[BALL] * LOOKS, WHOLE.rounded(LOOK_PARTS)]
+    assert network.looked[:2] == [BALL, WHOLE.rounded(LOOK_PARTS)]
 
 
 def test_a_camera_that_shows_nobody_is_left_out_and_told(cameras: Path) -> None:
@@ -128,7 +127,7 @@ def test_a_camera_that_shows_nobody_is_left_out_and_told(cameras: Path) -> None:
 
 def test_one_camera_alone_makes_no_hull(cameras: Path) -> None:
     network = Disc()
-    network.sees = lambda picture, region: len(network.looked) <= LOOKS
+    network.sees = lambda picture, region: len(network.looked) <= 2
     alone = pytest.raises(SurfaceError, match=r'found by 1 of the 3 cameras.*give a "box"')
     with Hulls(Rig.open(cameras), VOXEL_M, network) as hulls, alone:
         hulls.mesh(0)

@@ -13,8 +13,8 @@ from keypose.tracker.keypoints.region import Region
 from keypose.tracker.surface.cameras.rig import Grey, Rig, RigCamera
 
 LOOKS: Final = 4
-"""At each picture, every one where the person was seen the last time: so many lead from the whole
-picture to the person."""
+"""At most, at each picture, every one where the person was seen the last time: so many lead from
+the whole picture to the person."""
 
 
 class PersonFinder:
