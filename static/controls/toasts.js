@@ -4,7 +4,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from './focus.js';
 import { icon } from './icons.js';
 import { steadily } from './layout_hold.js';
-import { isNewest } from '../store/edits.js';
+import { isNewest, isPast } from '../store/edits.js';
 import { listen, send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 
@@ -60,11 +60,12 @@ function forgetOthers() {
   if (left.length < shown.length) setUi('toasts', left);
 }
 
-/** What tells of an edit that is not the newest any more goes. */
+/** What tells of an edit that is not the newest any more goes; the server may have done the next one, too,
+ * before it answers. */
 function forgetPast() {
   const shown = ui.toasts ?? [];
   for (const one of shown) if (one.edit !== undefined && isNewest(one.edit)) one.wasNewest = true;
-  const left = shown.filter((one) => !one.wasNewest || isNewest(one.edit));
+  const left = shown.filter((one) => !(one.wasNewest || isPast(one.edit)) || isNewest(one.edit));
   if (left.length < shown.length && !isUnderPointer()) setUi('toasts', left);
 }
 

@@ -85,6 +85,12 @@ export const isCaughtUp = () => (server.done ?? 0) >= count;
 /** Whether the document stands as this message of ours has left it. */
 export const isNewest = (n) => server.revision === `${client}:${n}`;
 
+/** Whether it stands as a later message of ours has left it. */
+export const isPast = (n) => {
+  const [name, last] = (server.revision ?? '').split(':');
+  return name === client && Number(last) > n;
+};
+
 /** How many edits wait for the line to come back. */
 export const backlog = () => entries.filter((entry) => !entry.blocked && isEdit(entry)).length;
 

@@ -51,3 +51,16 @@ test('what another version, or nobody, has kept is not taken for edits', async (
     assert.deepEqual(sent(edits), ['unkey'], JSON.stringify(value));
   }
 });
+
+test('an edit is past once the document stands as a later one of this page has left it', async () => {
+  const edits = await page();
+  const n = edits.keep({ do: 'delete_key', frame: 0 });
+  const [{ client }] = JSON.parse(kept.get(NAME)).entries;
+  const { server } = await import('../../static/store/state.js');
+  for (const [revision, isNewest, isPast] of [
+    [`${client}:${n}`, true, false], [`${client}:${n + 1}`, false, true], [`another:${n + 1}`, false, false], ['', false, false],
+  ]) {
+    server.revision = revision;
+    assert.deepEqual([edits.isNewest(n), edits.isPast(n)], [isNewest, isPast], revision);
+  }
+});
