@@ -58,10 +58,14 @@ def _of_camera(number: int, network: str) -> tuple[Array, float]:
     film, camera, names, rough = beam_camera(number)
     with Video.open(str(film)) as video:
         pictures = [picture for _, picture in video.frames(0, video.info.frame_count)]
+        half = find_model(network).skips_frames_at(video.info.fps)
     box = _box(camera, rough[0])
     ends = 0, len(pictures) - 1
     detector = open_detector(find_model(network))
-    draft = draft_clip(lambda n: pictures[n], ends, 0, box, camera, preset("adult_male"), detector)
+    body = preset("adult_male")
+    draft = draft_clip(
+        lambda n: pictures[n], ends, 0, box, camera, body, detector, every_second=half
+    )
     return _counted(draft, camera, rough[:, [names.index(name) for name in _names()]])
 
 

@@ -180,14 +180,20 @@ def _answers(visitor: Visitor, act: Act) -> list[float]:
 # --- in the browser
 
 
-def _moves(tab: Page, probe: Probe, visitor: Visitor) -> dict[str, list[float]]:
-    """A hand dragged, each move once the one before is drawn everywhere."""
+def _hand_taken(tab: Page, visitor: Visitor) -> tuple[float, float]:
+    """Take hold of a hand at a keyframe; where it was."""
     visitor.do(do="go", frame=FRAME)
     until_state(tab, "view.frame", lambda frame: frame == FRAME)
     x, y = spot(tab, "left_hand")
     tab.mouse.move(x, y)
     tab.mouse.down()
     tab.mouse.move(x + 6, y)
+    return x, y
+
+
+def _moves(tab: Page, probe: Probe, visitor: Visitor) -> dict[str, list[float]]:
+    """A hand dragged, each move once the one before is drawn everywhere."""
+    x, y = _hand_taken(tab, visitor)
     found: dict[str, list[float]] = {"answered": [], "own view drawn": [], "the other three": []}
     for i in range(TIMES + 5):
         probe.arm("pointermove", "told", *VIEWS)
@@ -257,12 +263,7 @@ def _live(report: Report, tab: Page, probe: Probe, visitor: Visitor, folder: Pat
 
 
 def _live_row(table: Table, name: str, tab: Page, probe: Probe, visitor: Visitor) -> None:
-    visitor.do(do="go", frame=FRAME)
-    until_state(tab, "view.frame", lambda frame: frame == FRAME)
-    x, y = spot(tab, "left_hand")
-    tab.mouse.move(x, y)
-    tab.mouse.down()
-    tab.mouse.move(x + 6, y)
+    x, y = _hand_taken(tab, visitor)
     spent = []
     for i in range(2 * TIMES + 5):
         probe.arm("pointermove", "trail")

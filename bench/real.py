@@ -23,8 +23,13 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, joined
 from keypose.tracker.geometry.steady import SteadyCamera
+from keypose.tracker.keypoints.detect import Seed, detect
+from keypose.tracker.keypoints.detectors import open_detector
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import Model, find_model
+from keypose.tracker.keypoints.region import MARGIN, Region
 from keypose.tracker.session.settings import Cue, TrackSettings
+from keypose.tracker.tracking.cues.drafted import DraftedKeypoints
 from keypose.tracker.tracking.cues.sources import (
     DetectedKeypoints,
     KeypointSource,
@@ -49,11 +54,14 @@ class Posed:
     skeleton: Skeleton
     keyposes: Mapping[int, Pose]
     prepared: dict[bool, Tracker] = field(default_factory=dict)
+    drafts: dict[str, Keypoints] = field(default_factory=dict)
     steady: SteadyCamera | None = None
 
-    def tracker(self, static_camera: bool = False, network: Model | None = None) -> Tracker:
+    def tracker(
+        self, static_camera: bool = False, network: Model | None = None, *, drafted: bool = False
+    ) -> Tracker:
         """A tracker of these keyframes, with a picture of the empty scene or without, and with a
-        network's keypoints or without."""
+        network's keypoints or without; as it drafted them, or looked for from the keyframes."""
         if static_camera not in self.prepared:
             self.prepared[static_camera] = Tracker(
                 self.video, self.clip.camera, self.skeleton, self.keyposes,
@@ -67,10 +75,27 @@ class Posed:
                 model=network,
                 every_second=network.skips_frames_at(self.video.info.fps),
             )
+        if source is not None and network is not None and drafted:
+            source = DraftedKeypoints(self._drafted(network), source, self.clip.camera)
         if source is not None and self.steady is not None:
             source = SteadyKeypoints(source, self.steady)
         plain = self.prepared[static_camera]
         return plain.renewed(self.skeleton, self.keyposes, keypoints=source)
+
+    def _drafted(self, network: Model) -> Keypoints:
+        """What a draft of the frames about the keyframes sees, from a box at the first of these;
+        once for all disturbances."""
+        if network.name not in self.drafts:
+            at, last, camera = min(self.keyposes), max(self.keyposes), self.clip.camera
+            around = Region.of_pose(self.skeleton, self.keyposes[at], camera)
+            r = around.side / (2 * MARGIN)
+            box = around.x - r, around.y - r, around.x + r, around.y + r
+            seed = Seed.of_box(at, box, camera.width, camera.height)
+            self.drafts[network.name] = detect(
+                self.video.frame, (at, last), [seed], open_detector(network),
+                every_second=network.skips_frames_at(self.video.info.fps),
+            )  # fmt: skip
+        return self.drafts[network.name]
 
     def disturbed(self, seed: int) -> Posed:
         """The same, its keyframes disturbed."""
@@ -114,13 +139,13 @@ def interpolated(posed: Posed) -> Tracked:
     return Tracked([SegmentResult.on_the_way(step) for step in steps])
 
 
-def with_settings(settings: TrackSettings) -> Way:
-    """Tracked as settings say."""
+def with_settings(settings: TrackSettings, *, drafted: bool = False) -> Way:
+    """Tracked as settings say, with keypoints of a draft or looked for from the keyframes."""
 
     def way(posed: Posed) -> Tracked:
         network = find_model(settings.network_used)
         used = network if "keypoints" in settings.cues_used else None
-        tracker = posed.tracker(bool(settings.static_camera), used)
+        tracker = posed.tracker(bool(settings.static_camera), used, drafted=drafted)
         return track(tracker, **settings.model_dump())
 
     return way
@@ -134,6 +159,7 @@ WAYS: dict[str, Way] = {
     "keypoints alone": with_settings(TrackSettings(cues=("keypoints",), network=NETWORK)),
     "by full alone": with_settings(TrackSettings(cues=BOTH, network="full")),
     "keypoints": with_settings(TrackSettings(cues=BOTH, network=NETWORK)),
+    "of a draft": with_settings(TrackSettings(cues=BOTH, network=NETWORK), drafted=True),
 }
 SINGLE = ("linear", "brightness", "keypoints alone", "by full alone")
 """Of these nothing is expected: both cues together, by both networks, are to be no worse."""

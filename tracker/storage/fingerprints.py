@@ -59,9 +59,7 @@ def _keys(session: ById, _network: str) -> dict[Span, str]:
 
     _network: its digest, another one once a file of that name is added, replaced or removed.
     """
-    setup = _setup(session.it)
-    at = {keyframe.frame: keyframe for keyframe in session.it.subject.keyframes}
-    return {span: _key(session.it, setup, at, span) for span in session.it.spans}
+    return keys_of_spans(session.it, session.it.spans)
 
 
 def present_keys(session: Session) -> dict[Span, str]:

@@ -16,6 +16,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import apply_transform
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import (
     FEWEST,
@@ -101,7 +102,7 @@ def _lies_on(
     """Return whether a posed body lies where keypoints of one frame show the person, whichever side
     they take for the left one."""
     Ts = pose_transforms(skeleton, pose)[on_body.part]
-    p = np.einsum("kij,kj->ki", Ts[:, :3, :3], on_body.point) + Ts[:, :3, 3]
+    p = apply_transform(Ts, on_body.point[:, None])[:, 0]
     if (p[:, 2] < LEAST_DEPTH_M).any():
         return False
     uv, at = camera.project(p), on_body.indices
