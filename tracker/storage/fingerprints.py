@@ -184,9 +184,8 @@ def _plate(session: Session) -> list[Any]:
 
 @lru_cache(maxsize=4)
 def _around_digest(steady: SteadyCamera, motion: CameraMotion) -> str:
-    numbers = (turns_of(steady, motion).ravel(), steady.zoom)
-    rounded = np.round(np.concatenate(numbers), DECIMALS) + 0.0
-    return hashlib.sha256(rounded.tobytes()).hexdigest()
+    numbers = np.concatenate((turns_of(steady, motion).ravel(), steady.zoom))
+    return hashlib.sha256(_rounded(numbers)).hexdigest()
 
 
 def _steadied(session: Session, span: Span) -> list[Any]:
@@ -195,9 +194,8 @@ def _steadied(session: Session, span: Span) -> list[Any]:
     if steady is None:
         return []
     rows = slice(span[0], span[1] + 1)
-    numbers = (steady.Rs_steady_camera[rows].ravel(), steady.zoom[rows])
-    digest = hashlib.sha256(np.round(np.concatenate(numbers), DECIMALS).tobytes()).hexdigest()
-    return [{"steady": digest}]
+    numbers = np.concatenate((steady.Rs_steady_camera[rows].ravel(), steady.zoom[rows]))
+    return [{"steady": hashlib.sha256(_rounded(numbers)).hexdigest()}]
 
 
 def _own_start(session: Session, span: Span) -> list[Any]:
@@ -435,4 +433,9 @@ def _pose(keyframe: ById, names: tuple[str, ...]) -> bytes:
     """The pose as numbers, the same however its quaternions were signed or left out."""
     wxyz = np.array([keyframe.it.rotations_wxyz.get(name, AT_REST) for name in names])
     numbers = np.concatenate([rotation_from_quaternion(wxyz).ravel(), keyframe.it.root_m])
-    return (np.round(numbers, DECIMALS) + 0.0).tobytes()  # + 0.0: no negative zero
+    return _rounded(numbers)
+
+
+def _rounded(numbers: Array) -> bytes:
+    """Numbers as every machine has them: to nine decimals, without negative zeros."""
+    return (np.round(numbers, DECIMALS) + 0.0).tobytes()

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import count, pairwise
-from typing import TypeAlias
+from typing import Final, TypeAlias
+
+import numpy as np
 
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -50,6 +52,9 @@ Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""
 LOOKS_BETWEEN_REPORTS = 8
 """Frames in which keypoints are looked for between two looks at whether to stop."""
+
+ROUNDING: Final = 1e-9
+"""Metres, and entries of rotations: by so little other processors and libraries may round apart."""
 
 NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
 
@@ -183,16 +188,20 @@ class Tracker:
         return motion.carried(self._steady.Ts_steady_camera[rows])
 
     def as_filmed(self, motion: Trajectory) -> Trajectory:
-        """A motion that was found, as the film's own camera sees it; at keyframes as posed."""
-        if self._steady is None:
-            return motion
-        rows = slice(motion.first_frame, motion.last_frame + 1)
-        R, t = motion.carried(self._steady.Ts_camera_steady[rows]).writable()
-        for frame in (motion.first_frame, motion.last_frame):
-            given = self._filmed.get(frame)
-            if given is not None and _is_same(motion.pose(frame), self.keyposes[frame]):
-                row = frame - motion.first_frame
-                R[row], t[row] = given.Rs_parent_part, given.p_camera_root
+        """A motion that was found, as the film's own camera sees it. Where it meets a keyframe it
+        has the very numbers that were set, whichever way this processor rounds."""
+        given = {
+            frame: self._filmed[frame]
+            for frame in (motion.first_frame, motion.last_frame)
+            if frame in self._filmed and _meets(motion.pose(frame), self.keyposes[frame])
+        }
+        if self._steady is not None:
+            rows = slice(motion.first_frame, motion.last_frame + 1)
+            motion = motion.carried(self._steady.Ts_camera_steady[rows])
+        R, t = motion.writable()
+        for frame, pose in given.items():
+            row = frame - motion.first_frame
+            R[row], t[row] = pose.Rs_parent_part, pose.p_camera_root
         return Trajectory(motion.first_frame, R, t)
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
@@ -392,9 +401,11 @@ class Tracker:
         return wanted and (self._prepared.shows_background or persons)
 
 
-def _is_same(one: Pose, other: Pose) -> bool:
-    same = (one.Rs_parent_part == other.Rs_parent_part).all()
-    return bool(same and (one.p_camera_root == other.p_camera_root).all())
+def _meets(one: Pose, other: Pose) -> bool:
+    """Whether two poses are one but for rounding."""
+    rotations = np.abs(one.Rs_parent_part - other.Rs_parent_part).max(initial=0.0)
+    places = np.abs(one.p_camera_root - other.p_camera_root).max()
+    return bool(max(rotations, places) <= ROUNDING)
 
 
 def _require_two(keyposes: Mapping[int, Pose]) -> None:

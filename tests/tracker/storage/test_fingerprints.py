@@ -13,9 +13,12 @@ import pytest
 
 from keypose.tracker.body.body import Twist, preset
 from keypose.tracker.body.shapes import Cylinder
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
 from keypose.tracker.session.annotations import KeypointCorrection
+from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage import fingerprints
 from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
@@ -31,6 +34,7 @@ from keypose.tracker.storage.results import (
     tidy_tracks,
 )
 from tests.app.results_cases import PARTS, both, passing, session, track
+from tests.tracker import panned_cases
 from tests.tracker import session_cases as cases
 from tests.tracker.keypoints import tiny_networks as tiny
 
@@ -415,3 +419,18 @@ def test_old_tracks_files_go_when_no_session_speaks_of_them_and_young_ones_stay(
     tidy_tracks(tmp_path)
     left = {file.name for file in tmp_path.glob("*.npz")}
     assert left == {names[0], names[1], names[3], "tracks-mine.npz"}
+
+
+@pytest.mark.parametrize("stands", [True, False], ids=["still", "panned"])
+def test_keys_of_steadied_film_are_those_of_any_processor(stands: bool) -> None:
+    session = panned_cases.panned()
+    assert session.view.camera_motion is not None
+    path = session.view.camera_motion.path
+    turns = np.zeros((len(path), 3)) if stands else log_rotation(path.Ts_camera_world[:, :3, :3])
+
+    def keys(seed: int) -> dict[tuple[int, int], str]:
+        rounding = np.random.default_rng(seed).normal(0, 1e-16, turns.shape)
+        along = CameraPath.of(exp_rotation(turns + rounding), 0 * turns, path.zoom)
+        return segment_keys(session.changed({"camera_motion": CameraMotion.of("turns", along)}))
+
+    assert keys(0) == keys(1)

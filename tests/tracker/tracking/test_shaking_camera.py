@@ -50,6 +50,33 @@ def test_the_shake_is_no_motion_of_the_body(shaken: Case, path: CameraPath) -> N
     assert errors[1] < errors[0]
 
 
+@pytest.mark.parametrize("shakes", [False, True], ids=["still", "shaking"])
+def test_a_keyframe_comes_back_as_the_very_numbers_that_were_set_however_a_processor_rounds(
+    shaken: Case, path: CameraPath, shakes: bool
+) -> None:
+    steady = SteadyCamera.along(shaken.camera, path) if shakes else None
+    tracker = shaken.tracker(0, FRAMES - 1, steady=steady)
+    rounded, ends = np.random.default_rng(3), (0, FRAMES - 1)
+    R, t = shaken.truth.writable()
+    for frame in ends:
+        pose = tracker.keyposes[frame]
+        R[frame] = pose.Rs_parent_part + rounded.normal(0, 1e-16, pose.Rs_parent_part.shape)
+        t[frame] = pose.p_camera_root + rounded.normal(0, 1e-16, 3)
+    found = tracker.as_filmed(Trajectory(0, R, t))
+    for frame in ends:
+        given = shaken.truth.pose(frame)
+        np.testing.assert_array_equal(found.pose(frame).Rs_parent_part, given.Rs_parent_part)
+        np.testing.assert_array_equal(found.pose(frame).p_camera_root, given.p_camera_root)
+
+
+def test_a_pass_that_misses_a_keyframe_is_shown_as_it_is(shaken: Case) -> None:
+    tracker = shaken.tracker(0, FRAMES - 1)
+    R, t = shaken.truth.writable()
+    t[-1] += 1e-3
+    found = tracker.as_filmed(Trajectory(0, R, t))
+    np.testing.assert_array_equal(found.ps_camera_root, t)
+
+
 def test_what_is_followed_ahead_is_as_it_was_filmed(shaken: Case, path: CameraPath) -> None:
     from keypose.tracker.session.settings import TrackSettings
 
