@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple, TypeAlias
 
+import cv2
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
@@ -36,6 +37,7 @@ class Kind(NamedTuple):
     needs_fast: whether ONNX Runtime alone can run it.
     doubted:  mean confidence of the joints up to which they are not believed, and from which on
               they wholly are.
+    everybody: the same as `decoded` of each person in the input; None where a kind shows one alone.
     """
 
     title: str
@@ -46,6 +48,7 @@ class Kind(NamedTuple):
     outside: Sequence[float] = (0.0, 0.0, 0.0)
     needs_fast: bool = False
     doubted: tuple[float, float] = (0.0, 0.0)
+    everybody: Callable[[Sequence[Tensor], Size], list[tuple[Array, Array]]] | None = None
 
 
 _CIRCLE: Final = 0.8
@@ -114,19 +117,41 @@ _SHIFT: Final = -0.25 / 256
 """Of MoveNet's joints, a share of its input's side."""
 
 
+LEAST_CENTRE: Final = 0.3
+"""How likely a cell must be a person's centre: of people in films it is 0.4 to 0.97, of trees and
+poles 0.2 to 0.5, whose joints then are unlikely."""
+CENTRES_APART: Final = 7
+"""Cells across, in which one centre alone is taken."""
+
+
 def _from_heads(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:
+    """The person whose centre is hottest near the middle; outputs as of `_joints_of_centre`."""
+    (center, *_) = outputs[2][0]
+    rows, columns = np.indices(center.shape)
+    middle = (len(center) - 1) / 2
+    near_middle = 1 / (np.hypot(columns - middle, rows - middle) + _SOFTEST)
+    return _joints_of_centre(outputs, size, _hottest(_sigmoid(center) * near_middle))
+
+
+def _all_from_heads(outputs: Sequence[Tensor], size: Size) -> list[tuple[Array, Array]]:
+    """Every person whose centre is likely; outputs as of `_joints_of_centre`."""
+    (center, *_) = _sigmoid(outputs[2][0])
+    hottest_near = cv2.dilate(center, np.ones((CENTRES_APART, CENTRES_APART)))
+    centres = np.argwhere((center >= LEAST_CENTRE) & (center == hottest_near))
+    return [_joints_of_centre(outputs, size, (row, column)) for row, column in centres.tolist()]
+
+
+def _joints_of_centre(
+    outputs: Sequence[Tensor], size: Size, centre: tuple[int, int]
+) -> tuple[Array, Array]:
     """Logits (17, c, c); rows and columns from a centre to each joint (34, c, c); logits of
     centres (1, c, c); rows and columns from a cell to the joint in it (34, c, c).
 
-    The person whose centre is hottest near the middle is taken; from there each joint is regressed,
-    and lies where its heat near by is greatest, moved by the offset there.
+    From the person's centre each joint is regressed; it lies where its heat near by is greatest,
+    moved by the offset there.
     """
     heat, reg, (center, *_), off = (maps[0] for maps in outputs)
-    rows, columns = np.indices(center.shape)
-    cells = len(center)
-    middle = (cells - 1) / 2
-    near_middle = 1 / (np.hypot(columns - middle, rows - middle) + _SOFTEST)
-    row, column = _hottest(_sigmoid(center) * near_middle)
+    (row, column), (rows, columns) = centre, np.indices(center.shape)
     xy, confidence = np.empty((len(heat), 2)), np.empty(len(heat))
     for k, hot in enumerate(_sigmoid(heat)):
         to_row, to_column = reg[2 * k : 2 * k + 2, row, column]
@@ -134,7 +159,7 @@ def _from_heads(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:
         r, c = _hottest(hot * near)
         xy[k] = c + off[2 * k + 1, r, c], r + off[2 * k, r, c]
         confidence[k] = hot[r, c]
-    return size[0] * (xy / cells + _SHIFT), confidence
+    return size[0] * (xy / len(center) + _SHIFT), confidence
 
 
 def _hottest(values: Array) -> tuple[int, int]:
@@ -159,6 +184,7 @@ KINDS: Final[Mapping[JointKind, Kind]] = {
         _from_heads,
         _CIRCLE,
         doubted=(_RENDERED, _FILMED),
+        everybody=_all_from_heads,
     ),
     "simcc": Kind("RTMPose and RTMW", ("simcc_x", "simcc_y"), _standardised, _from_bins, _CIRCLE),
     "rtmo": Kind(

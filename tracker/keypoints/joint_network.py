@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import (
     ONNX,
     Runtime,
+    Tensor,
     cannot_run,
     fast_is_here,
     open_runtime,
@@ -61,14 +63,32 @@ class JointNetwork:
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
         """The joints of the person in BlazePose's region of a picture (H, W, 3), RGB."""
+        shown = replace(region, side=self._kind.share * region.side)
+        outputs, to_picture = self._run(picture, shown)
+        return _in_picture(*self._kind.decoded(outputs, self._size), to_picture)
+
+    def everybody(self, picture: NDArray[np.uint8], region: Region) -> list[SeenJoints]:
+        """The joints of each person in a region of a picture (H, W, 3), RGB, in no order; of kinds
+        of networks that tell people apart."""
+        assert self._kind.everybody is not None
+        outputs, to_picture = self._run(picture, region)
+        people = self._kind.everybody(outputs, self._size)
+        return [_in_picture(xy, confidence, to_picture) for xy, confidence in people]
+
+    def _run(self, picture: NDArray[np.uint8], region: Region) -> tuple[Sequence[Tensor], Array]:
+        """The outputs for a region, and the map (2, 3) from its pixels to the picture's."""
         kind, size = self._kind, self._size
-        to_picture = replace(region, side=kind.share * region.side).to_picture(*size)
+        to_picture = region.to_picture(*size)
         how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         image = cv2.warpAffine(picture, to_picture, size, flags=how, borderValue=kind.outside)
         levels = np.ascontiguousarray(image.transpose(2, 0, 1), dtype=np.float32)
-        xy, confidence = kind.decoded(self._runtime.run(kind.prepared(levels)), size)
-        known = np.where(np.isfinite(confidence)[:, None], xy, np.nan)
-        return SeenJoints(known @ to_picture[:, :2].T + to_picture[:, 2], confidence)
+        return self._runtime.run(kind.prepared(levels)), to_picture
+
+
+def _in_picture(xy: Array, confidence: Array, to_picture: Array) -> SeenJoints:
+    """Joints (K, 2) of the input, moved to the picture."""
+    known = np.where(np.isfinite(confidence)[:, None], xy, np.nan)
+    return SeenJoints(known @ to_picture[:, :2].T + to_picture[:, 2], confidence)
 
 
 def open_heads(path: Path, heads: JointHeads, *, fast: bool | None = None) -> Runtime:
