@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
 from keypose.app.export.motion_formats import MotionFormat, formats_of
+from keypose.app.orders.film import FilmOrder
 from keypose.app.orders.order import Option, options_of, require_one_of_each_group
+from keypose.app.orders.tracking import DraftOrder, FilmTaken
 from keypose.app.orders.values import Choice, Misread, Switch, Value, Whole
 from keypose.tracker.errors import FormatError
 
@@ -151,6 +153,11 @@ def session_file(text: str) -> Path:
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
+def is_session_named(path: Path) -> bool:
+    """Whether a name is a session's file or folder, not a film."""
+    return path.suffix.lower() == ".json" or (path / SESSION).is_file()
+
+
 def _in_folder(folder: Path) -> Path:
     """The session of a folder: its own, that of the pictures in it, or the only one below it."""
     whole = folder.resolve()
@@ -236,6 +243,20 @@ def add_orders(command: argparse.ArgumentParser, orders: Mapping[str, type]) -> 
         _add_options(command.add_argument_group(" and ".join(kinds)), mine, order)
 
 
+FILM_ORDERS: Final = {"order": FilmOrder, "network": DraftOrder, "taken": FilmTaken}
+"""What may be said of a film that has no session yet, by the fields of `FilmToDraft`."""
+
+
+def add_film_orders(command: argparse.ArgumentParser) -> None:
+    for order in FILM_ORDERS.values():
+        add_order(command, order)
+
+
+def film_orders_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What is said of a film, by the fields of `FilmToDraft`."""
+    return {name: order_of(order, arguments) for name, order in FILM_ORDERS.items()}
+
+
 def require_of(
     order: type, others: Mapping[str, type], arguments: argparse.Namespace, what: str
 ) -> None:
@@ -264,9 +285,19 @@ def _how(one: Option) -> dict[str, Any]:
         return {"action": "store_true"}
     names = getattr(one.value, "names", ())
     metavar = one.value.metavar or (f"{{{','.join(names)}}}" if names else None)
-    repeated = {"action": "append"} if one.repeated else {}
+    repeated = {"action": "append"} if one.repeated else {"action": _Once} if one.once else {}
     known = {"choices": names} if type(one.value) is Choice else {}  # for a shell to complete
     return {"type": typed(one.value), "metavar": metavar, **known, **repeated}
+
+
+class _Once(argparse.Action):
+    """Stores a value and refuses a second one."""
+
+    def __call__(self, *given: Any, **_: Any) -> None:
+        _parser, namespace, value, *_rest = given
+        if getattr(namespace, self.dest) is not None:
+            raise argparse.ArgumentError(self, "is given twice: one person is drafted at a time")
+        setattr(namespace, self.dest, value)
 
 
 def _help(order: type, name: str, one: Option) -> str:

@@ -1,41 +1,40 @@
-"""`keypose draft`: a box around a person on one frame, and every frame gets a draft pose."""
+"""`keypose draft`: every frame of a film gets a draft pose, of the person in a box or found."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from keypose.app.cli.arguments import (
-    order_of,
-)
+from keypose.app.cli.arguments import film_orders_of, is_session_named, session_file
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.document.folder_lock import locked
-from keypose.app.document.new import new_session
-from keypose.app.editor.camera import as_taken
-from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
-from keypose.app.jobs.draft import Drafted, drafted, taken_and_left
-from keypose.app.jobs.rerun import with_repeats, with_settings
-from keypose.app.orders.tracking import DraftOrder, FilmTaken, said
+from keypose.app.editor.drafted import proposed_frames, with_accepted
+from keypose.app.jobs.draft import Drafted, drafted
+from keypose.app.jobs.film_session import (
+    FilmToDraft,
+    WhoIsDrafted,
+    begun_session,
+    frames_to_draft,
+    who_is_drafted,
+    with_draft_kept,
+)
+from keypose.app.jobs.rerun import with_repeats
 from keypose.app.words.jobs import about_words
-from keypose.tracker.body.body import preset
-from keypose.tracker.errors import KeypointError, SessionError
+from keypose.app.words.people import accepted_words, found_person_words
+from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
-from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.model_files import find_model
-from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
-from keypose.tracker.storage.files import session_json
+from keypose.tracker.storage.files import load_session, save_session, session_json
 from keypose.tracker.storage.fingerprints import needs_masks
 from keypose.tracker.storage.pace import known_or_measured
-from keypose.tracker.storage.sidecars import save_keypoints
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
 
@@ -53,43 +52,72 @@ _REASONS = {
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if len(arguments.box) > 1:
-        raise KeypointError("--box is given twice. Draft one person at a time.")
-    (box,) = arguments.box
-    body = None if arguments.body is None else preset(arguments.body)
+    if is_session_named(arguments.video):
+        return _accept_drafts(arguments)
+    if arguments.out is None:
+        raise SessionError("The folder for the session is missing: --out DIR.")
+    film = FilmToDraft(arguments.video, **film_orders_of(arguments))
     place = arguments.out / "session.json"
     if not arguments.overwrite:
         require_absent([place], error=SessionError)
     require_folder(arguments.out, error=SessionError)
-    taken = said(order_of(FilmTaken, arguments))
-    with Video.open(arguments.video, deinterlace=taken.get("deinterlace", True)) as video:
-        session = as_taken(new_session(video, place), taken)
-        session = with_settings(session, order_of(DraftOrder, arguments))
-        if body is not None:
-            session = session.changed({"body": body})
-        if arguments.field_of_view is not None:
-            given = {"camera": _camera(session, arguments), "lens_source": "person"}
-            session = session.changed(given)
-        frames = arguments.frames or (0, session.view.video.frame_count - 1)
-        at = frames[0] if arguments.frame is None else arguments.frame
-        require_draftable(session, at, box, frames)
-        session = with_repeats(session, video, *frames)
-        _say_how_long(session, frames, video.info.fps, arguments.json)
+    with film.opened() as video:
+        session = begun_session(film, video, place)
+        frames = frames_to_draft(film.order, session)
         try:
-            found = _drafted(session, video, at, box, frames, arguments.json)
+            who = _who(film, session, video, arguments.json)
+            session = with_repeats(session, video, *frames)
+            _say_how_long(session, frames, video.info.fps, arguments.json)
+            drafts = _drafted(session, video, who, frames, arguments.json)
         except Cancelled:
             print("Interrupted: nothing was written.", file=sys.stderr)
             return INTERRUPTED
-        draft, _, detected = found
         make_folder(arguments.out, error=SessionError)
         with locked(place, "close it there, or choose another --out"):
-            written = _save(session, place, found, frames, at, box, video, arguments.overwrite)
-    _print(draft, frames, detected or frames, written, arguments.json)
-    if detected is None:
+            session = with_draft_kept(session, video, place, who, frames, drafts)
+            accepted = proposed_frames(session) if arguments.accept else ()
+            _write(with_accepted(session, accepted), place, arguments.overwrite)
+    _print(drafts.draft, frames, drafts.detected or frames, session, place, accepted, arguments)
+    if drafts.detected is None:
         return DONE
     words = "the same command with --overwrite goes on from there"
-    print(f"Interrupted: frames {detected[0]}–{detected[1]} are drafted; {words}.", file=sys.stderr)
+    first, last = drafts.detected
+    print(f"Interrupted: frames {first}–{last} are drafted; {words}.", file=sys.stderr)
     return INTERRUPTED
+
+
+def _accept_drafts(arguments: argparse.Namespace) -> int:
+    """Take the proposed drafts of a session that is there as its keyframes."""
+    if not arguments.accept or arguments.out is not None:
+        raise SessionError("This is a session: its drafts are accepted with --accept alone.")
+    path = session_file(str(arguments.video))
+    with locked(path, "close it there first"):
+        session = load_session(path)
+        accepted = proposed_frames(session)
+        if not accepted:
+            raise SessionError(f"{path.name} has no drafts to accept: draft its film first.")
+        save_session(with_accepted(session, accepted), path)
+    if arguments.json:
+        print_json({"event": "finished", "accepted": list(accepted), "session": str(path)})
+        return DONE
+    print(accepted_words(accepted))
+    print(f"Written: {path}")
+    return DONE
+
+
+def _who(film: FilmToDraft, session: Session, video: Video, as_json: bool) -> WhoIsDrafted:
+    """Who is drafted; the person is looked for where no box was drawn, and that is said."""
+    stop = threading.Event()
+
+    def report(_: float) -> None:
+        if stop.is_set():
+            raise Cancelled
+
+    with set_when_interrupted(stop):
+        who = who_is_drafted(film.order, session, video, report)
+    if who.found is not None and not as_json:
+        print(found_person_words(who.found), file=sys.stderr, flush=True)
+    return who
 
 
 def _say_how_long(session: Session, frames: tuple[int, int], fps: float, as_json: bool) -> None:
@@ -105,52 +133,20 @@ def _say_how_long(session: Session, frames: tuple[int, int], fps: float, as_json
         print(f"Drafting {count} frames takes {words}.", file=sys.stderr, flush=True)
 
 
-def _camera(session: Session, arguments: argparse.Namespace) -> Camera:
-    video = session.view.video
-    angle = math.radians(arguments.field_of_view)
-    return Camera.from_field_of_view(video.width, video.height, angle)
-
-
 def _drafted(
-    session: Session,
-    video: Video,
-    at: int,
-    box: Box,
-    frames: tuple[int, int],
-    as_json: bool,
+    session: Session, video: Video, who: WhoIsDrafted, frames: tuple[int, int], as_json: bool
 ) -> Drafted:
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as report:
         return drafted(
-            session,
-            video,
-            at,
-            box,
-            frames,
-            proportions=True,
-            report=report,
-            cancelled=stop.is_set,
-        )
+            session, video, who.frame, who.box, frames,
+            proportions=True, report=report, cancelled=stop.is_set,
+        )  # fmt: skip
 
 
-def _save(
-    session: Session, place: Path, found: Drafted, frames: tuple[int, int], at: int, box: Box,
-    video: Video, overwrite: bool,
-) -> tuple[Path, Path]:  # fmt: skip
-    """The session's file and that of the keypoints, both written."""
-    draft, network, detected = found
-    only, rest = taken_and_left(range(frames[0], frames[1] + 1), detected, at, box)
-    session = save_keypoints(
-        session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
-    )
-    times_s = session.evidence.times_s(video.info.times_s)
-    given = (draft.body, draft.poses, session.view.keypoints, draft.proposals, times_s)
-    done = drafted_session(session, frames, *given, session.world.up_world, only, rest)
-    write_file(
-        place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError
-    )
-    assert done.view.keypoints is not None
-    return place, place.with_name(done.view.keypoints.file)
+def _write(session: Session, place: Path, overwrite: bool) -> None:
+    content = session_json(session)
+    write_file(place, content, overwrite=overwrite, keep_previous=True, error=SessionError)
 
 
 # --- what is printed
@@ -193,40 +189,42 @@ def _print(
     draft: ClipDraft,
     frames: tuple[int, int],
     detected: tuple[int, int],
-    written: tuple[Path, Path],
-    as_json: bool,
+    session: Session,
+    place: Path,
+    accepted: Sequence[int],
+    arguments: argparse.Namespace,
 ) -> None:
-    if as_json:
-        print_json(_facts(draft, frames, detected, written))
+    assert session.view.keypoints is not None
+    keypoints = place.with_name(session.view.keypoints.file)
+    if arguments.json:
+        facts = _facts(draft, frames, detected)
+        written = {"session": str(place), "keypoints": str(keypoints)}
+        print_json({**facts, "accepted": list(accepted), **written})
         return
     count = frames[1] - frames[0] + 1
     print(f"Drafts at {len(draft.poses)} of {count} frames.")
-    print("Confirm these first:")
+    if accepted:
+        print(accepted_words(accepted))
+    else:
+        print("Confirm these first:")
     for proposal in draft.proposals:
         about = ", ".join(part.replace("_", " ") for part in proposal.parts)
         words = f"{about}: {_REASONS[proposal.reason]}" if about else _REASONS[proposal.reason]
         print(f"  frame {proposal.frame}: {words}")
-    for path in reversed(written):
+    for path in (keypoints, place):
         print(f"Written: {path}")
 
 
-def _facts(
-    draft: ClipDraft,
-    frames: tuple[int, int],
-    detected: tuple[int, int],
-    written: tuple[Path, Path],
-) -> dict[str, Any]:
+def _facts(draft: ClipDraft, frames: tuple[int, int], detected: tuple[int, int]) -> dict[str, Any]:
     seen = set(range(detected[0], detected[1] + 1))
     missing, left = sorted(seen - set(draft.poses)), set(range(frames[0], frames[1] + 1)) - seen
     proposals = [
         {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals
     ]
-    session, keypoints = map(str, written)
     return {
-        "event": "finished", "drafts": len(draft.poses), "missing": missing,
+        "event": "finished",
+        "drafts": len(draft.poses),
+        "missing": missing,
         "left": sorted(left),
-        "proposals": proposals, "session": session, "keypoints": keypoints,
-    }  # fmt: skip
-
-
-# --- arguments
+        "proposals": proposals,
+    }

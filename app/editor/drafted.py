@@ -11,6 +11,7 @@ from keypose.app.editor.documents import (
     ActionRefused,
     keyframe_of,
     require_sound,
+    softened,
     with_drafts,
     with_keyframes,
 )
@@ -115,6 +116,26 @@ def drafted_session(
     return with_drafts(doc.changed(update), drafts)
 
 
+def accepted_draft(draft: Keyframe) -> Keyframe:
+    """A draft as the keyframe it becomes: the very numbers it has, soft where nobody posed it."""
+    return softened(draft, draft.is_found or draft.soft).model_copy(update={"followed": False})
+
+
+def proposed_frames(doc: Session) -> tuple[int, ...]:
+    """Frames of the drafts that were proposed to be confirmed and are drafts still, ascending."""
+    places = () if doc.subject.drafted is None else doc.subject.drafted.places
+    drafts = {draft.frame for draft in doc.subject.drafts}
+    return tuple(sorted({place.frame for place in places} & drafts))
+
+
+def with_accepted(doc: Session, frames: Collection[int]) -> Session:
+    """The session with its drafts of some frames as keyframes."""
+    accepted = [accepted_draft(draft) for draft in doc.subject.drafts if draft.frame in frames]
+    keyframes = [k for k in doc.subject.keyframes if k.frame not in frames]
+    doc = with_keyframes(doc, [*keyframes, *accepted])
+    return with_drafts(doc, [draft for draft in doc.subject.drafts if draft.frame not in frames])
+
+
 def has_drafts_for_other_up(doc: Session) -> bool:
     """Return whether drafts that nobody has posed were found for another up than the session has by
     now, and can be found anew from their keypoints."""
@@ -208,8 +229,8 @@ def frame_runs(frames: Iterable[int]) -> Iterator[record.FrameRun]:
 
 def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
     """Frames of the keyframes that an edit has posed, where drafts of the film can learn from them;
-    none where it was undone or done again: drafts are then as they were. A keyframe that was found
-    anew gives nothing."""
+    none where it was undone or done again: drafts are then as they were. One that was found and not
+    posed gives nothing: it is what the keypoints said."""
     was, doc = before.settled, after.settled
     history = (*before.history.past, *before.history.future)
     if was.subject.keyframes is doc.subject.keyframes or any(step.doc is doc for step in history):
@@ -220,8 +241,7 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
     return frozenset(
         k.frame
         for k in doc.subject.keyframes
-        if known.get(k.frame) != (k.root_m, k.rotations_wxyz)
-        and not (k.drafted and k.frame in known)
+        if known.get(k.frame) != (k.root_m, k.rotations_wxyz) and not k.drafted
     )
 
 

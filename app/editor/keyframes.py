@@ -20,18 +20,19 @@ from keypose.app.editor.documents import (
     with_part_keyframes,
     without,
 )
+from keypose.app.editor.drafted import with_accepted
 from keypose.app.editor.frames import T_camera_world, carried_pose, up_in_world
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
-from keypose.app.editor.shown import Source, draft_at, find, require_keyframe, shown_pose
+from keypose.app.editor.shown import find, require_keyframe, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
 from keypose.tracker.body.body import Name
 from keypose.tracker.errors import listed
 from keypose.tracker.geometry.camera_path import rigid_inverse
-from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
+from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
 
@@ -56,21 +57,14 @@ def with_key_added(state: EditorState, frame: int) -> Session:
     if stands.source == "keyframe":
         return state.doc
     require_before_camera(state.skeleton, stands.pose)
+    if stands.source == "draft":
+        return with_accepted(state.doc, {frame})
     keyframe = keyframe_of(state.skeleton, stands.pose, frame, state.times_s)
-    draft = draft_at(state, frame)
-    found = {"drafted": draft is not None and draft.drafted}
-    keyframe = softened(keyframe, _softness(draft, state, stands.source)).model_copy(update=found)
+    # one as tracked gives way in depth, where the motion is smoothed in space anyway
+    gives_way = stands.source == "tracked" and state.doc.settings.smooth
+    keyframe = softened(keyframe, "depth" if gives_way else False)
     doc = with_keyframes(state.doc, (*without(state.doc.subject.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.subject.drafts, frame))
-
-
-def _softness(draft: Keyframe | None, state: EditorState, source: Source) -> Softness:
-    """Return how soft the pose that is shown is as a keyframe: a draft found in the film, which
-    nobody posed, or one as tracked, where the motion is smoothed in space anyway.
-    """
-    if draft is not None:
-        return draft.is_found or draft.soft
-    return "depth" if source == "tracked" and state.doc.settings.smooth else False
 
 
 class DeleteKey(Edit):

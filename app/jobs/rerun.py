@@ -46,7 +46,11 @@ def why_untrackable(session: Session, session_path: Path) -> str:
 
 def _of_film(session: Session, session_path: Path) -> str:
     count = "one keyframe" if session.subject.keyframes else "no keyframes"
-    return f"{session_path.name} has {count}; tracking needs two."
+    words = f"{session_path.name} has {count}; tracking needs two."
+    if not session.subject.drafts:
+        return words
+    accept = f"keypose draft {shlex.quote(str(session_path))} --accept"
+    return f"{words} Confirm its drafts in the page, or take those proposed with `{accept}`."
 
 
 def _of_surfaces(session: Session, session_path: Path) -> str:

@@ -25,7 +25,8 @@ class Option:
     note: what stands beside it.  repeated: whether it may be given several times, as a tuple.
     group: at most one option of a group may be given.  page: whether a page may say it, which can
     name no files.  only: which formats it matters to, by the flag of `Format` that they have.
-    persons: whether all but its first choice need a person's body.
+    persons: whether all but its first choice need a person's body.  once: whether the command line
+    refuses a second one, which would mean another thing and not a change of mind.
     """
 
     value: Value
@@ -39,6 +40,7 @@ class Option:
     page: bool = True
     only: str | None = None
     persons: bool = False
+    once: bool = False
 
 
 def option(value: Value, words: str = "", default: Any = None, **how: Any) -> Any:

@@ -12,6 +12,7 @@ from keypose.app.cli.arguments import (
     UP_AXES,
     Subcommands,
     add_command,
+    add_film_orders,
     add_json,
     add_order,
     add_overwrite,
@@ -23,7 +24,7 @@ from keypose.app.cli.arguments import (
     typed,
 )
 from keypose.app.orders.motion import MotionOrder
-from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
+from keypose.app.orders.tracking import FilmTaken, TrackOrder, Within
 from keypose.app.orders.values import FrameRange, Whole
 
 if TYPE_CHECKING:
@@ -31,8 +32,10 @@ if TYPE_CHECKING:
 
 
 _DRAFT_EXAMPLES = """\
-  keypose draft jump.mp4 --box 210,80,420,610 --out jump
+  keypose draft jump.mp4 --out jump.keypose
   keypose draft jump.mp4 --box 210,80,420,610 --frame 12 --frames 0-90 --body adult_female --out j
+  keypose draft jump.mp4 --accept --out jump.keypose
+  keypose draft jump.keypose --accept
 """
 
 
@@ -40,75 +43,28 @@ def add_draft(commands: Subcommands) -> None:
     details = (
         "A network finds the person's joints in every frame, and the body is fitted "
         "to them. The session and its keypoints are written to the folder. One camera cannot "
-        "tell size from distance, so the body keeps its preset's height. Frames that do not "
-        "show the person well enough get no draft. Drafts become keyframes when you confirm "
-        "them in the page; the ones to confirm first are listed. Ctrl+C keeps the frames "
-        "the network has looked at; the same command with --overwrite goes on from there."
+        "tell size from distance, so the body keeps its preset's height, or the one you give. "
+        "Frames that do not show the person well enough get no draft. Drafts become keyframes when "
+        "you confirm them in the page, or with --accept; the ones to confirm first are listed. "
+        "Ctrl+C keeps the frames the network has looked at; the same command with --overwrite goes "
+        "on from there."
     )
     command = add_command(commands, "draft", details, _DRAFT_EXAMPLES)
     command.add_argument(
-        "video", metavar="VIDEO", type=file_name, help="video file or folder of images"
+        "video",
+        metavar="VIDEO",
+        type=file_name,
+        help="video file or folder of images; with --accept also a session that is drafted",
     )
+    add_film_orders(command)
     command.add_argument(
-        "--box",
-        metavar="L,T,R,B",
-        type=_box,
-        action="append",
-        required=True,
-        help="left, top, right and bottom of the box, in pixels",
+        "--accept",
+        action="store_true",
+        help="take the drafts that are proposed as soft keyframes, without a look at them",
     )
-    command.add_argument(
-        "--frame",
-        metavar="N",
-        type=typed(Whole(least=0)),
-        help="the frame of the box; default: the first frame to draft",
-    )
-    command.add_argument(
-        "--frames",
-        metavar="A-B",
-        type=typed(FrameRange()),
-        help="first and last frame to draft; default: all",
-    )
-    command.add_argument(
-        "--body",
-        metavar="PRESET",
-        help="adult_male, adult_female, elderly_male, elderly_female or child; default: "
-        "adult_male, or as `keypose config` says",
-    )
-    command.add_argument(
-        "--field-of-view",
-        metavar="DEGREES",
-        type=_angle,
-        help="along the picture's longer side; default: from the file, else of a usual lens",
-    )
-    add_order(command, DraftOrder)
-    add_order(command, FilmTaken)
-    command.add_argument(
-        "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
-    )
+    command.add_argument("--out", metavar="DIR", type=file_name, help="folder for the session")
     add_json(command)
     add_overwrite(command)
-
-
-def _box(text: str) -> tuple[float, float, float, float]:
-    try:
-        left, top, right, bottom = (float(word) for word in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a box: give left, top, right and bottom in pixels, such as "
-            "210,80,420,610"
-        ) from None
-    return left, top, right, bottom
-
-
-def _angle(text: str) -> float:
-    try:
-        angle = float(text)
-    except ValueError:
-        angle = math.nan
-    if not 1 <= angle <= 170:
-        raise argparse.ArgumentTypeError(f"{text!r} is not an angle from 1 to 170 degrees")
-    return angle
 
 
 _TRACK_EXAMPLES = """\

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
 import signal
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from keypose.app.cli import draft
 from keypose.app.cli.main import main
+from keypose.tracker.body.modify import height
 from keypose.tracker.fitting.draft import DraftProgress
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of
@@ -74,12 +78,12 @@ WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
     "a box of words": ((), "here", "is not a box"),
     "a box of three numbers": ((), "10,20,30", "is not a box"),
     "a box with nobody in it": ((), "0,0,60,60", "No person was found at frame 0"),
-    "two boxes": (("--box", "10,10,90,90"), AROUND, "--box is given twice"),
+    "two boxes": (("--box", "10,10,90,90"), AROUND, "--box: is given twice"),
     "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
     "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
     "frames that fall": (("--frames", "5-2"), AROUND, "are no frames such as 10-60"),
     "no range": (("--frames", "5"), AROUND, "are no frames such as 10-60"),
-    "no body": (("--body", "giant"), AROUND, "There is no body 'giant'"),
+    "no body": (("--body", "giant"), AROUND, "invalid choice: 'giant'"),
     "no angle": (("--field-of-view", "200"), AROUND, "not an angle"),
 }
 
@@ -148,3 +152,84 @@ def test_ctrl_c_keeps_what_the_network_has_looked_at_and_the_same_command_goes_o
     found = load_session(out / "session.json").subject.drafted
     assert found is not None
     assert found.rest is None
+
+
+def test_without_a_box_the_one_person_in_the_film_is_found_and_that_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "new"
+    named = ("--height", "181", "--lens", "40", "--out", out)
+    assert run(["draft", VIDEO, "--frames", "0-5", *named]) == 0
+    session = load_session(out / "session.json")
+    assert [draft.frame for draft in session.subject.drafts] == list(range(6))
+    assert height(session.subject.body) == pytest.approx(1.81)
+    assert session.view.camera.focal_mm == pytest.approx(40)
+    assert session.view.lens_source == "person"
+    words = capsys.readouterr().err
+    found = re.search(r"One person found: --box ([\d,]+) --frame (\d)\.", words)
+    assert found is not None
+    assert np.array(found[1].split(","), float) == pytest.approx(np.array(BOX), abs=60)
+
+
+NOT_ONE = {
+    "several": ("walk", "2 people are to be seen at frame 25"),
+    "nobody": ("box", "No person was found in the film"),
+}
+
+
+@pytest.mark.parametrize("who", NOT_ONE)
+def test_several_people_are_listed_and_nobody_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], who: str
+) -> None:
+    sample, words = NOT_ONE[who]
+    video = BALANCE.parent / sample / f"{sample}.mp4"
+    at = ("--frame", "25") if who == "several" else ()
+    message = refused(capsys, tmp_path, ["draft", video, *at, "--out", tmp_path / "new"])
+    assert words in message
+    assert not (tmp_path / "new").exists()
+    if who == "several":
+        left, right = re.findall(r"--box ([\d,]+)", message)
+        assert int(left.split(",")[0]) < int(right.split(",")[0])
+
+
+def test_drafts_are_accepted_as_soft_keyframes_with_their_very_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plain, at_once = tmp_path / "plain", tmp_path / "at_once"
+    assert run(command(plain)) == 0
+    drafts = {d.frame: d for d in load_session(plain / "session.json").subject.drafts}
+    assert run(["draft", plain, "--accept"]) == 0
+    assert run(command(at_once, "--accept")) == 0
+    words = "Drafts accepted as soft keyframes: 0, 5."
+    assert capsys.readouterr().out.count(words) == 2
+    one, other = (load_session(folder / "session.json") for folder in (plain, at_once))
+    assert one.subject == other.subject
+    soft = {"soft": True}
+    assert one.subject.keyframes == tuple(drafts[f].model_copy(update=soft) for f in (0, 5))
+    assert [draft.frame for draft in one.subject.drafts] == [1, 2, 3, 4]
+
+
+NOT_ACCEPTED: dict[str, tuple[tuple[str, ...], str]] = {
+    "a session without drafts": (("--accept",), "has no drafts to accept"),
+    "a session that is not to be accepted": ((), "accepted with --accept alone"),
+    "a session and a folder for another": (("--accept", "--out", "there"), "--accept alone"),
+}
+
+
+@pytest.mark.parametrize("wrong", NOT_ACCEPTED)
+def test_what_cannot_be_accepted_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str
+) -> None:
+    more, words = NOT_ACCEPTED[wrong]
+    shutil.copy(BALANCE / "session.json", tmp_path)
+    assert words in refused(capsys, tmp_path, ["draft", tmp_path, *more])
+
+
+def test_tracking_drafts_says_how_they_become_keyframes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(command(tmp_path)) == 0
+    capsys.readouterr()
+    words = refused(capsys, tmp_path, ["track", tmp_path])
+    assert "has no keyframes; tracking needs two" in words
+    assert f"`keypose draft {tmp_path / 'session.json'} --accept`" in words

@@ -42,10 +42,10 @@ def moved(doc: Session) -> list[int]:
 
 
 async def begin(desk: Desk) -> None:
-    """A draft, and one of its frames confirmed."""
+    """A draft, and one of its frames corrected and confirmed."""
     desk.do(DRAFT)
     desk.find(*FRAMES)
-    desk.do({"do": "go", "frame": 4}, {"do": "add_key", "frame": 4})
+    desk.do({"do": "go", "frame": 4}, {"do": "root", "y": 0.05}, {"do": "add_key", "frame": 4})
 
 
 async def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_with_it(
@@ -66,6 +66,18 @@ async def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_wit
     desk.do({"do": "redo"})
     assert desk.doc == learned
     assert len(Worker.newest.fits) == count  # they have learned it already
+
+
+async def test_a_draft_that_is_confirmed_as_it_was_teaches_nothing_and_keeps_its_numbers(
+    desk: Desk,
+) -> None:
+    desk.do(DRAFT)
+    desk.find(*FRAMES)
+    draft = next(d for d in desk.doc.subject.drafts if d.frame == 4)
+    count = len(Worker.newest.fits)
+    desk.do({"do": "go", "frame": 4}, {"do": "add_key", "frame": 4})
+    assert len(Worker.newest.fits) == count
+    assert desk.doc.subject.keyframes == (draft.model_copy(update={"soft": True}),)
 
 
 async def test_what_a_person_posed_meanwhile_stays(desk: Desk) -> None:

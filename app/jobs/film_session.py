@@ -1,0 +1,154 @@
+"""Begin the session of a film from its file and draft the person in it, without a page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from keypose.app.document.new import new_session
+from keypose.app.editor.camera import as_taken
+from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
+from keypose.app.jobs.draft import Drafted, taken_and_left
+from keypose.app.jobs.rerun import with_settings
+from keypose.app.orders.film import FilmOrder
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, said
+from keypose.app.words.people import NOBODY, several_words
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.modify import with_height
+from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.keypoints.find_people import (
+    FAR,
+    PeopleFinder,
+    PeopleInFilm,
+    people_in_film,
+    spread_frames,
+)
+from keypose.tracker.keypoints.region import Box
+from keypose.tracker.session import Session
+from keypose.tracker.storage.sidecars import save_keypoints
+from keypose.tracker.video import Video
+from keypose.tracker.video.info import MissingFrame
+
+Span: TypeAlias = tuple[int, int]
+"""First and last frame."""
+
+
+@dataclass(frozen=True)
+class FilmToDraft:
+    """A film, who is drafted in it and how it was taken."""
+
+    path: Path
+    order: FilmOrder = field(default_factory=FilmOrder)
+    network: DraftOrder = field(default_factory=DraftOrder)
+    taken: FilmTaken = field(default_factory=FilmTaken)
+
+    def opened(self) -> Video:
+        """The film, to be closed; KeyposeError where it cannot be read."""
+        return Video.open(self.path, deinterlace=said(self.taken).get("deinterlace", True))
+
+
+@dataclass(frozen=True)
+class WhoIsDrafted:
+    """The box of a person at a frame.
+
+    found: whom it was chosen from; None where a person drew it.
+    """
+
+    frame: int
+    box: Box
+    found: PeopleInFilm | None = None
+
+
+def begun_session(film: FilmToDraft, video: Video, place: Path) -> Session:
+    """A session of a film with what is said of it; its file is not written."""
+    session = as_taken(new_session(video, place), said(film.taken))
+    session = with_settings(session, film.network)
+    body = session.subject.body if film.order.body is None else preset(film.order.body)
+    if film.order.height_cm is not None:
+        body = with_height(body, film.order.height_cm / 100)
+    session = session.changed({"body": body})
+    camera = _camera_said(film.order, session)
+    if camera is None:
+        return session
+    return session.changed({"camera": camera, "lens_source": "person"})
+
+
+def _camera_said(order: FilmOrder, session: Session) -> Camera | None:
+    width, height = session.view.video.width, session.view.video.height
+    if order.lens_mm is not None:
+        return Camera.from_focal_length(width, height, order.lens_mm)
+    if order.field_of_view is not None:
+        return Camera.from_field_of_view(width, height, math.radians(order.field_of_view))
+    return None
+
+
+def frames_to_draft(order: FilmOrder, session: Session) -> Span:
+    """First and last frame to draft."""
+    return order.frames or (0, session.view.video.frame_count - 1)
+
+
+def who_is_drafted(
+    order: FilmOrder,
+    session: Session,
+    video: Video,
+    report: Callable[[float], None] = lambda share: None,
+) -> WhoIsDrafted:
+    """The person whom an order names, or the only one who is found.
+
+    report: receives the share that is done, and may raise Cancelled. KeypointError in one sentence
+    where there is nobody, or more than one.
+    """
+    frames = frames_to_draft(order, session)
+    if order.box is not None:
+        at = frames[0] if order.frame is None else order.frame
+        require_draftable(session, at, order.box, frames)
+        return WhoIsDrafted(at, order.box)
+    whole = (0.0, 0.0, session.view.video.width - 1.0, session.view.video.height - 1.0)
+    require_draftable(session, frames[0] if order.frame is None else order.frame, whole, frames)
+    numbers = spread_frames(*frames) if order.frame is None else [order.frame]
+    found = people_seen(video, numbers, report)
+    if found is None:
+        raise KeypointError(NOBODY)
+    if len(found.people) > 1:
+        raise KeypointError(several_words(found))
+    return WhoIsDrafted(found.frame, found.people[0].box, found)
+
+
+def people_seen(
+    video: Video, numbers: list[int], report: Callable[[float], None] = lambda share: None
+) -> PeopleInFilm | None:
+    """Who is to be seen at some frames of a film; those who are far away where nobody is near."""
+    finder = PeopleFinder.open()
+    for step, shares in enumerate(({}, {"shares": FAR})):
+        seen = {}
+        for done, number in enumerate(numbers):
+            report((step + done / len(numbers)) / 2)
+            try:
+                seen[number] = finder(video.frame(number), **shares)
+            except MissingFrame:
+                continue
+        if (found := people_in_film(seen)) is not None:
+            return found
+    return None
+
+
+def with_draft_kept(
+    session: Session, video: Video, place: Path, who: WhoIsDrafted, frames: Span, drafts: Drafted
+) -> Session:
+    """The session with a draft of every frame, whose keypoints are written beside its file.
+
+    place: of the session's file, which is not written; its folder is there.
+    """
+    draft, network, detected = drafts
+    asked = range(frames[0], frames[1] + 1)
+    only, rest = taken_and_left(asked, detected, who.frame, who.box)
+    session = save_keypoints(
+        session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(who.frame,)
+    )
+    times_s = session.evidence.times_s(video.info.times_s)
+    given = (draft.body, draft.poses, session.view.keypoints, draft.proposals, times_s)
+    return drafted_session(session, frames, *given, session.world.up_world, only, rest)

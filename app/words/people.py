@@ -1,0 +1,51 @@
+"""Words for the people that were found in a film."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from keypose.tracker.keypoints.find_people import PeopleInFilm
+from keypose.tracker.keypoints.region import Box
+
+MOST_NAMED: Final = 12
+"""Frames that a sentence lists one by one."""
+
+NOBODY: Final = (
+    "No person was found in the film. Draw a box around the person with --box L,T,R,B --frame N, "
+    "or pose the body by hand in the page."
+)
+
+
+def box_text(box: Box) -> str:
+    """A box as the command line takes it: "210,80,420,610"."""
+    return ",".join(f"{edge:.0f}" for edge in box)
+
+
+def found_person_words(found: PeopleInFilm) -> str:
+    """Which box was taken that nobody drew, and who was left out as they are much smaller."""
+    (person,) = found.people
+    words = f"One person found: --box {box_text(person.box)} --frame {found.frame}."
+    if not found.smaller:
+        return words
+    frames = ", ".join(str(frame) for frame in sorted(found.smaller))
+    return f"{words} Smaller people were left out (frame{'s' * (len(found.smaller) > 1)} {frames})."
+
+
+def several_words(found: PeopleInFilm) -> str:
+    """Ask which of several people is meant, each with the options that name them."""
+    choices = "; ".join(
+        f"--box {box_text(person.box)} ({person.height_px:.0f} pixels tall)"
+        for person in found.people
+    )
+    return (
+        f"{len(found.people)} people are to be seen at frame {found.frame}. Choose one, from left "
+        f"to right, with --frame {found.frame} and {choices}."
+    )
+
+
+def accepted_words(frames: Sequence[int]) -> str:
+    """Say which drafts are keyframes now."""
+    named = ", ".join(map(str, frames[:MOST_NAMED]))
+    more = f" and {len(frames) - MOST_NAMED} more" if len(frames) > MOST_NAMED else ""
+    return f"Drafts accepted as soft keyframes: {named}{more}."
