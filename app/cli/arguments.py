@@ -7,14 +7,13 @@ import os
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
 from keypose.app.export.motion_formats import MotionFormat, formats_of
-from keypose.app.orders.film import FilmOrder
+from keypose.app.orders.film import FILM_ORDERS
 from keypose.app.orders.order import Option, options_of, require_one_of_each_group
-from keypose.app.orders.tracking import DraftOrder, FilmTaken
 from keypose.app.orders.values import Choice, Misread, Switch, Value, Whole
 from keypose.tracker.errors import FormatError
 
@@ -28,7 +27,8 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
         "Open a video, a folder of meshes or a session in the "
         "browser: pose keyframes over the picture, track, correct, export",
     ),
-    "draft": ("motion", "Draft a pose for every frame, from a box around the person on one frame"),
+    "run": ("motion", "Turn films into motion without a hand: draft, track, stand, export"),
+    "draft": ("motion", "Draft a pose for every frame, of the person in a box or found"),
     "track": ("motion", "Track the motion between the keyframes"),
     "camera": (
         "motion",
@@ -38,7 +38,10 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     "review": ("motion", "List the places of the motion to look at, the worst first"),
     "reduce": ("motion", "Reduce a dense motion to a few keyframes"),
     "fit": ("motion", "Fit the body to observed surfaces, one mesh per time step"),
-    "batch": ("motion", "Track many saved sessions again, as the page would"),
+    "batch": (
+        "motion",
+        "Track many saved sessions again, as the page would, or the films of a table",
+    ),
     "evaluate": ("motion", "Measure the tracked motion against a reference"),
     "shot": ("pictures", "Render the body at one frame into a PNG file"),
     "film": ("pictures", "Render the tracked body into an MP4 film (H.264, no sound)"),
@@ -225,9 +228,13 @@ def motion_formats(text: str) -> tuple[MotionFormat, ...]:
         raise argparse.ArgumentTypeError(str(error).rstrip(".")) from None
 
 
-def add_order(command: argparse.ArgumentParser, order: type) -> None:
-    """Add the options of an order; what is given of them is found by `order_of`."""
-    _add_options(command, options_of(order).items(), order)
+def add_order(command: argparse.ArgumentParser, order: type, *, but: Container[str] = ()) -> None:
+    """Add the options of an order; what is given of them is found by `order_of`.
+
+    but: fields that another order of the command has already, which mean the same.
+    """
+    options = [(name, one) for name, one in options_of(order).items() if name not in but]
+    _add_options(command, options, order)
 
 
 def add_orders(command: argparse.ArgumentParser, orders: Mapping[str, type]) -> None:
@@ -241,10 +248,6 @@ def add_orders(command: argparse.ArgumentParser, orders: Mapping[str, type]) -> 
         order = orders[kinds[0]]
         mine = [(n, one) for n, one in options_of(order).items() if tuple(kinds_of[n]) == kinds]
         _add_options(command.add_argument_group(" and ".join(kinds)), mine, order)
-
-
-FILM_ORDERS: Final = {"order": FilmOrder, "network": DraftOrder, "taken": FilmTaken}
-"""What may be said of a film that has no session yet, by the fields of `FilmToDraft`."""
 
 
 def add_film_orders(command: argparse.ArgumentParser) -> None:
@@ -317,9 +320,14 @@ def typed(value: Value) -> Callable[[str], Any]:
     return parse
 
 
-def order_of(order: type[OrderT], arguments: argparse.Namespace) -> OrderT:
-    """The order that was given; FormatError for two options that mean the same."""
-    options = options_of(order)
+def order_of(
+    order: type[OrderT], arguments: argparse.Namespace, *, but: Container[str] = ()
+) -> OrderT:
+    """The order that was given; FormatError for two options that mean the same.
+
+    but: fields that mean something else here.
+    """
+    options = {name: one for name, one in options_of(order).items() if name not in but}
     all_given = {name: getattr(arguments, name, None) for name in options}
     given = {name: value for name, value in all_given.items() if value is not None}
     require_one_of_each_group(options, given, lambda name: _flag(name, options[name]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from keypose.app.cli.json_output import json_value, print_json
 from keypose.app.jobs.batch.report import Entry
 from keypose.app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskStarted
-from keypose.app.jobs.batch.task import Summary
+from keypose.app.jobs.batch.task import Stage, Step, Summary
 
 WIDEST_NAME = 48
 QUARTER = 25
@@ -23,6 +23,17 @@ WORDS = {
     "interrupted": "interrupted",
 }
 """The label of every outcome."""
+
+STAGES: Mapping[Stage, str] = {
+    "person": "looking for the person",
+    "draft": "drafting",
+    "camera": "finding the camera's motion",
+    "track": "tracking",
+    "stand": "standing on the floor",
+    "export": "exporting",
+}
+MOST_PLACES = 5
+"""Places to review that are listed of one session; the report has all."""
 
 
 class BatchReporter(Protocol):
@@ -71,7 +82,8 @@ class _JsonReporter:
             segment = event.step.segment
             kind = "progress" if segment is None else "segment_finished"
             more = {} if segment is None else segment
-            print_json({"event": kind, **session, "percent": event.step.percent, **more})
+            step = {"stage": event.step.stage, "percent": event.step.percent}
+            print_json({"event": kind, **session, **step, **more})
 
     def finish(
         self, entries: Sequence[Entry], report: Path | None, seconds: float, *, interrupted: bool
@@ -108,6 +120,9 @@ class _TextReporter:
     ) -> None:
         for line in _table(entries):
             print(line)
+        for entry in entries:
+            for line in _found(entry):
+                print(line)
         done = sum(entry.summary.is_done for entry in entries)
         print(f"{done} of {len(self._names)} sessions done in {seconds:.1f} s.")
         if report is not None:
@@ -117,24 +132,32 @@ class _TextReporter:
 
 
 class _LineReporter(_TextReporter):
-    """A line when a session begins, at every quarter of it, and when it ends, for logs."""
+    """A line when a session begins, at every quarter of each stage, and when it ends, for logs."""
 
     def __init__(self, names: Sequence[str]) -> None:
         super().__init__(names)
-        self._quarters: dict[int, int] = {}
+        self._reached: dict[int, tuple[Stage | None, int]] = {}
         self._ended = 0
 
     def event(self, event: TaskEvent) -> None:
         name, number = self._names[event.number], event.number
         if isinstance(event, TaskStarted):
-            self._quarters[number] = 0
+            self._reached[number] = (None, 0)
             self._print(f"{name}: begun{' again, its worker was gone' if event.again else ''}")
         elif isinstance(event, TaskFinished):
             self._ended += 1
             self._print(f"{name}: {_outcome(event.summary)} ({self._ended} of {len(self._names)})")
-        elif event.step.percent // QUARTER > self._quarters[number] and event.step.percent < 100:
-            self._quarters[number] = event.step.percent // QUARTER
-            self._print(f"{name}: {event.step.percent} %")
+        else:
+            self._step(number, event.step)
+
+    def _step(self, number: int, step: Step) -> None:
+        stage, quarter = self._reached[number]
+        reached = step.stage, step.percent // QUARTER
+        if reached[0] == stage and (reached[1] == quarter or step.percent == 100):
+            return
+        self._reached[number] = reached
+        percent = f", {step.percent} %" if step.percent else ""
+        self._print(f"{self._names[number]}: {STAGES[step.stage]}{percent}")
 
     def _print(self, words: str) -> None:
         print(words, file=sys.stderr, flush=True)
@@ -174,8 +197,12 @@ class _BarReporter(_TextReporter):
             self._tqdm.write(words, file=sys.stderr)
             self._whole.update(1)
         else:
-            self._bars[number].n = event.step.percent
-            self._bars[number].refresh()
+            bar, step = self._bars[number], event.step
+            bar.set_description(
+                f"{_short(self._names[number])}, {STAGES[step.stage]}", refresh=False
+            )
+            bar.n = step.percent
+            bar.refresh()
 
     def close(self) -> None:
         for bar in (*self._bars.values(), self._whole):
@@ -204,6 +231,23 @@ def _table(entries: Sequence[Entry]) -> Iterator[str]:
         cells = "".join(f"{summary.count(kind):>7}" for kind in figures)
         line = f"{_short(entry.name):<{width}}  {WORDS[summary.state]:<{outcomes}}{cells}"
         yield f"{line}{summary.seconds:>7.1f}  {summary.words}".rstrip()
+
+
+def _found(entry: Entry) -> Iterator[str]:
+    """What was decided of a film that nobody looked at, and where to look first."""
+    summary = entry.summary
+    if not summary.notes:
+        return
+    yield ""
+    yield f"{_short(entry.name)}:"
+    for words in summary.notes:
+        yield f"  {words}"
+    if summary.places:
+        yield "  Look here first:"
+    for place in summary.places[:MOST_PLACES]:
+        yield f"    frame {place.frame}: {place.part}, {place.size}, {place.reason}"
+    if len(summary.places) > MOST_PLACES:
+        yield f"    and {len(summary.places) - MOST_PLACES} more: keypose review {summary.session}"
 
 
 def _short(name: str) -> str:

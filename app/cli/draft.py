@@ -17,14 +17,15 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.editor.drafted import proposed_frames, with_accepted
 from keypose.app.jobs.draft import Drafted, drafted
 from keypose.app.jobs.film_session import (
-    FilmToDraft,
     WhoIsDrafted,
     begun_session,
     frames_to_draft,
+    opened_film,
     who_is_drafted,
     with_draft_kept,
 )
 from keypose.app.jobs.rerun import with_repeats
+from keypose.app.orders.film import FilmToDraft
 from keypose.app.words.jobs import about_words
 from keypose.app.words.people import accepted_words, found_person_words
 from keypose.tracker.errors import SessionError
@@ -61,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.overwrite:
         require_absent([place], error=SessionError)
     require_folder(arguments.out, error=SessionError)
-    with film.opened() as video:
+    with opened_film(film) as video:
         session = begun_session(film, video, place)
         frames = frames_to_draft(film.order, session)
         try:

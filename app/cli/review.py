@@ -7,13 +7,12 @@ from typing import Any
 
 from keypose.app.cli.arguments import note
 from keypose.app.cli.json_output import print_json
-from keypose.app.words.problems import size_of
 from keypose.app.words.review import (
     answers_words,
-    label_of_place,
     left_words,
     reason_of_place,
     right_words,
+    row_of_place,
 )
 from keypose.tracker.review.places import Place, Review, review_of
 from keypose.tracker.storage.files import load_session
@@ -60,10 +59,7 @@ def _place_as_json(place: Place) -> dict[str, Any]:
 
 def _table(found: Review, goal: int) -> list[str]:
     places = found.above(goal)
-    rows = [
-        (str(p.frame), label_of_place(p), size_of(p.px, p.cm) or "–", reason_of_place(p))
-        for p in places
-    ]
+    rows = [row_of_place(place) for place in places]
     head = ("frame", "part", "expected error", "reason")
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(3)]
     lines = [

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import argparse
 from contextlib import nullcontext
-from pathlib import Path
 
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
-from keypose.app.jobs.find_up import upright_lines
-from keypose.app.jobs.stand import needs_lines
+from keypose.app.jobs.stand import stood
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.session import Session
 from keypose.tracker.space.soles import Soles, soles_of
-from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
-from keypose.tracker.storage.space import solved
-from keypose.tracker.storage.standing import Standing, stand
-from keypose.tracker.video.upright_lines import UprightLines
+from keypose.tracker.storage.standing import Standing
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -28,20 +24,11 @@ def run(arguments: argparse.Namespace) -> int:
     with locked(path, "close it there first") if held else nullcontext():
         session = load_session(path)
         results = load_results(session, path)
-        done = stand(session, results.fitting(session), _lines(session, path))
-        for stretch in results.unsolved(done.session):
-            results = results.with_space(solved(done.session, stretch))
+        done, results = stood(session, path, results)
         if not arguments.dry_run:
             save_session(save_results(done.session, path, results), path)
     _print(done, results, arguments)
     return 0
-
-
-def _lines(session: Session, path: Path) -> UprightLines | None:
-    if not needs_lines(session):
-        return None
-    with open_video_of(session, path) as video:
-        return upright_lines(session, video)
 
 
 def _print(done: Standing, results: Results, arguments: argparse.Namespace) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
@@ -13,8 +13,8 @@ from keypose.app.editor.camera import as_taken
 from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
 from keypose.app.jobs.draft import Drafted, taken_and_left
 from keypose.app.jobs.rerun import with_settings
-from keypose.app.orders.film import FilmOrder
-from keypose.app.orders.tracking import DraftOrder, FilmTaken, said
+from keypose.app.orders.film import FilmOrder, FilmToDraft
+from keypose.app.orders.tracking import said
 from keypose.app.words.people import NOBODY, several_words
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.modify import with_height
@@ -22,6 +22,8 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.find_people import (
     FAR,
+    WHOLE_AND_NEAR,
+    FoundPerson,
     PeopleFinder,
     PeopleInFilm,
     people_in_film,
@@ -38,20 +40,6 @@ Span: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class FilmToDraft:
-    """A film, who is drafted in it and how it was taken."""
-
-    path: Path
-    order: FilmOrder = field(default_factory=FilmOrder)
-    network: DraftOrder = field(default_factory=DraftOrder)
-    taken: FilmTaken = field(default_factory=FilmTaken)
-
-    def opened(self) -> Video:
-        """The film, to be closed; KeyposeError where it cannot be read."""
-        return Video.open(self.path, deinterlace=said(self.taken).get("deinterlace", True))
-
-
-@dataclass(frozen=True)
 class WhoIsDrafted:
     """The box of a person at a frame.
 
@@ -61,6 +49,11 @@ class WhoIsDrafted:
     frame: int
     box: Box
     found: PeopleInFilm | None = None
+
+
+def opened_film(film: FilmToDraft) -> Video:
+    """A film, to be closed; KeyposeError where it cannot be read."""
+    return Video.open(film.path, deinterlace=said(film.taken).get("deinterlace", True))
 
 
 def begun_session(film: FilmToDraft, video: Video, place: Path) -> Session:
@@ -121,19 +114,20 @@ def who_is_drafted(
 def people_seen(
     video: Video, numbers: list[int], report: Callable[[float], None] = lambda share: None
 ) -> PeopleInFilm | None:
-    """Who is to be seen at some frames of a film; those who are far away where nobody is near."""
-    finder = PeopleFinder.open()
-    for step, shares in enumerate(({}, {"shares": FAR})):
-        seen = {}
-        for done, number in enumerate(numbers):
-            report((step + done / len(numbers)) / 2)
-            try:
-                seen[number] = finder(video.frame(number), **shares)
-            except MissingFrame:
-                continue
-        if (found := people_in_film(seen)) is not None:
-            return found
-    return None
+    """Who is to be seen at some frames of a film; at every second of them those who are far away,
+    where nobody is near."""
+    finder, seen = PeopleFinder.open(), dict[int, tuple[FoundPerson, ...]]()
+    searches = [(number, WHOLE_AND_NEAR) for number in numbers]
+    searches += [(number, FAR) for number in numbers[::2]]
+    for done, (number, shares) in enumerate(searches):
+        if shares == FAR and any(seen.values()):
+            break
+        report(done / len(searches))
+        try:
+            seen[number] = finder(video.frame(number), shares)
+        except MissingFrame:
+            continue
+    return people_in_film(seen)
 
 
 def with_draft_kept(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from keypose.app.editor.documents import softened
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.actions import Stand
     from keypose.app.editor.state import EditorState
     from keypose.app.store.state import AppState
+    from keypose.tracker.storage.results import Results
     from keypose.tracker.storage.standing import Standing
 
 LABEL: Final = "stand on the floor"
@@ -40,6 +42,26 @@ CHANGED: Final = (
 def needs_lines(session: Session) -> bool:
     """Return whether upright lines are to say what is up, of a camera that stands still."""
     return session.world.up_world is None and session.has_static_camera
+
+
+def stood(session: Session, path: Path, results: Results) -> tuple[Standing, Results]:
+    """A saved session on its floor, and its results with the motion solved for there; no file is
+    written. SessionError where nobody stands.
+
+    path: of its file.  results: what was tracked.
+    """
+    from keypose.tracker.storage.files import open_video_of  # loads what only this needs
+    from keypose.tracker.storage.space import solved
+    from keypose.tracker.storage.standing import stand
+
+    lines = None
+    if needs_lines(session):
+        with open_video_of(session, path) as video:
+            lines = upright_lines(session, video)
+    done = stand(session, results.fitting(session), lines)
+    for stretch in results.unsolved(done.session):
+        results = results.with_space(solved(done.session, stretch))
+    return done, results
 
 
 @dataclass(frozen=True)

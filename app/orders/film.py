@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from keypose.app.orders.order import option
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, YesNo
 from keypose.app.orders.values import Choice, FrameRange, Misread, Number, Value, Whole
-from keypose.tracker.body.body import PEOPLE
 
 if TYPE_CHECKING:
     from keypose.tracker.keypoints.region import Box
 
+PEOPLE: Final = ("adult_male", "adult_female", "elderly_male", "elderly_female", "child")
+"""As in tracker.body.body, which would load more than help needs."""
 SHORTEST_CM: Final = 40.0
 TALLEST_CM: Final = 260.0
 WIDEST_DEG: Final = 170.0
@@ -22,13 +25,13 @@ LONGEST_LENS_MM: Final = 5000.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Box(Value):
-    """Left, top, right and bottom in pixels, with commas between."""
+    """Left, top, right and bottom in pixels, with commas or, as in a table, spaces between."""
 
     metavar: str | None = "L,T,R,B"
 
     def read(self, text: str) -> Box:
         try:
-            left, top, right, bottom = (float(word) for word in text.split(","))
+            left, top, right, bottom = (float(word) for word in text.replace(",", " ").split())
         except ValueError:
             raise Misread(
                 f"{text[:40]!r} is not a box: give left, top, right and bottom in pixels, such as "
@@ -80,4 +83,27 @@ class FilmOrder:
         "the same as a focal length on 35 mm film, such as 26 of a phone's main camera",
         flag="lens",
         group="lens",
+    )
+
+
+@dataclass(frozen=True)
+class FilmToDraft:
+    """A film without a session, who is drafted in it and how it was taken."""
+
+    path: Path
+    order: FilmOrder = field(default_factory=FilmOrder)
+    network: DraftOrder = field(default_factory=DraftOrder)
+    taken: FilmTaken = field(default_factory=FilmTaken)
+
+
+FILM_ORDERS: Final = {"order": FilmOrder, "network": DraftOrder, "taken": FilmTaken}
+"""What may be said of such a film, by the fields of `FilmToDraft`."""
+
+
+@dataclass(frozen=True)
+class RunOrder:
+    """What is done with a film that nobody looks at."""
+
+    stand: bool | None = option(
+        YesNo(), "whether the motion is stood on the floor after tracking; default: yes"
     )

@@ -46,6 +46,25 @@ def several_words(found: PeopleInFilm) -> str:
 
 def accepted_words(frames: Sequence[int]) -> str:
     """Say which drafts are keyframes now."""
+    return f"Drafts accepted as soft keyframes: {_listed(frames)}."
+
+
+def undrafted_words(frames: Sequence[int]) -> str:
+    """Say at which frames nobody was seen well enough; empty where there are none."""
+    if not frames:
+        return ""
+    return f"The person was not seen well enough at {len(frames)} frames: {_listed(frames)}."
+
+
+def another_person_words(frames: Sequence[int]) -> str:
+    """Say from which frames on somebody else may be drafted; empty where there are none."""
+    if not frames:
+        return ""
+    named = _listed(frames)
+    return f"It may be another person from frame {named} on: look, and set a keyframe there."
+
+
+def _listed(frames: Sequence[int]) -> str:
     named = ", ".join(map(str, frames[:MOST_NAMED]))
     more = f" and {len(frames) - MOST_NAMED} more" if len(frames) > MOST_NAMED else ""
-    return f"Drafts accepted as soft keyframes: {named}{more}."
+    return f"{named}{more}"

@@ -40,6 +40,12 @@ def reason_of_place(place: Place) -> str:
     return _DRAFTS[place.why.reason](readable(place.part) if place.part else "the body")
 
 
+def row_of_place(place: Place) -> tuple[str, str, str, str]:
+    """Frame, part, expected error and reason, as a table has them."""
+    size = size_of(place.px, place.cm) or "–"
+    return str(place.frame), label_of_place(place), size, reason_of_place(place)
+
+
 def left_words(count: int, goal_px: float) -> str:
     """ "Nothing left above 5 px", "3 places left above 5 px"."""
     if not count:

@@ -18,10 +18,10 @@ from keypose.tracker.keypoints.region import SMALLEST_BOX_PX, Box, Region
 
 FRAMES: Final = 5
 """Frames of a film that are looked at, spread over it."""
-WHOLE_AND_NEAR: Final = (1.0, 0.6)
+WHOLE_AND_NEAR: Final[Sequence[float]] = (1.0, 0.6)
 """Sides of the squares that are searched, shares of the picture's shorter side but for the first,
 which shows all of it. A person of a third of the height is found in the second."""
-FAR: Final = (0.3,)
+FAR: Final[Sequence[float]] = (0.3,)
 """The same for people who are small, looked for where nobody else was found."""
 OVERLAP: Final = 0.5
 """By how much neighbouring squares overlap, a share of their side."""

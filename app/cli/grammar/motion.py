@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from collections.abc import Container
 from typing import TYPE_CHECKING
 
 from keypose.app.cli.arguments import (
@@ -23,8 +24,10 @@ from keypose.app.cli.arguments import (
     session_file,
     typed,
 )
+from keypose.app.orders.film import FilmOrder, RunOrder
 from keypose.app.orders.motion import MotionOrder
-from keypose.app.orders.tracking import FilmTaken, TrackOrder, Within
+from keypose.app.orders.order import options_of
+from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
 from keypose.app.orders.values import FrameRange, Whole
 
 if TYPE_CHECKING:
@@ -363,7 +366,12 @@ _BATCH_EXAMPLES = """\
   keypose batch recordings
   keypose batch recordings --only outdated --export bvh,glb --out motion
   keypose batch */session.json --quality preview --workers 4 --json > events.jsonl
+  keypose batch films.csv --out motion --export bvh
   keypose batch /shared/recordings --scheduler tcp://10.0.0.1:8786
+
+A table has a row for each film and columns film, box, frame, frames, body, height, lens and others
+as the options of `keypose draft`; empty is as where the option is left out. Films are taken as by
+`keypose run`, and a session that is there is tracked as it is.
 
 On a cluster, `dask scheduler` and `dask worker` of the Dask project do the work; they need Keypose
 installed and see the sessions and videos under the same paths as this computer. Their lines have
@@ -386,7 +394,8 @@ def add_batch(commands: Subcommands) -> None:
         metavar="PATH",
         type=file_name,
         nargs="+",
-        help="a session file, or a folder to search for sessions (hidden folders are skipped)",
+        help="a session file, a folder to search for sessions (hidden folders are skipped), or a "
+        "table of films (.csv, .tsv)",
     )
     command.add_argument(
         "--only",
@@ -394,15 +403,7 @@ def add_batch(commands: Subcommands) -> None:
         help="track only segments whose results are missing, outdated or of a lower quality",
     )
     add_order(command, TrackOrder)
-    command.add_argument(
-        "--export",
-        metavar="FORMAT[,FORMAT]",
-        type=motion_formats,
-        default=(),
-        help="also export the motion, beside each session or below --out; formats as in "
-        "keypose export",
-    )
-    add_order(command, MotionOrder)
+    _add_export(command)
     command.add_argument(
         "--out",
         metavar="DIR",
@@ -411,16 +412,71 @@ def add_batch(commands: Subcommands) -> None:
         "contains all sessions. The progress of the batch is kept there too, in "
         ".keypose-batch",
     )
+    _add_workers(command, "sessions")
+    command.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the Dask cluster of this scheduler instead"
+    )
+    add_json(command, "print JSON lines: events, the summary last")
+    add_overwrite(command)
+
+
+def _add_export(command: argparse.ArgumentParser, *, but: Container[str] = ()) -> None:
+    command.add_argument(
+        "--export",
+        metavar="FORMAT[,FORMAT]",
+        type=motion_formats,
+        default=(),
+        help="also export the motion, beside each session or below --out; formats as in "
+        "keypose export",
+    )
+    add_order(command, MotionOrder, but=but)
+
+
+def _add_workers(command: argparse.ArgumentParser, what: str) -> None:
     command.add_argument(
         "--workers",
         metavar="N",
         type=typed(Whole(least=1, most=MOST_WORKERS)),
-        help="sessions to track at the same time, one process each; default: one per core, "
-        "with 2 GB of memory each",
+        help=f"{what} at the same time, one process each; default: one per core, with 2 GB of "
+        "memory each",
     )
+
+
+_RUN_EXAMPLES = """\
+  keypose run jump.mp4 --out motion
+  keypose run jump.mp4 --box 210,80,420,610 --frame 12 --out motion --export bvh,glb
+  keypose run recordings --height 178 --out motion --export csv --json > events.jsonl
+"""
+
+
+def add_run(commands: Subcommands) -> None:
+    details = (
+        "The person is found, every frame drafted, the proposed drafts taken as soft keyframes, "
+        "the motion of a camera that moves found, the motion tracked and stood on the floor: what "
+        "the page does, with nobody looking. Each film has a session of its own in the folder, to "
+        "be opened in the page. What was decided and where to look is printed, and reported with "
+        "pictures in batch-report.html. A film in which several people, or none, are found ends "
+        "with that reason, and the others go on. Ctrl+C or SIGTERM keeps what is done; the same "
+        "command goes on from there. The exit code is 1 when a film was not done, or tracking was "
+        "lost somewhere."
+    )
+    command = add_command(commands, "run", details, _RUN_EXAMPLES)
     command.add_argument(
-        "--scheduler", metavar="ADDRESS", help="use the Dask cluster of this scheduler instead"
+        "films",
+        metavar="FILM",
+        type=file_name,
+        nargs="+",
+        help="a video file, a folder of images, or a folder of video files",
     )
+    add_film_orders(command)
+    add_order(command, RunOrder)
+    add_order(command, TrackOrder, but=options_of(DraftOrder))
+    _add_export(command, but=options_of(FilmOrder))
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, required=True, help="folder for all that is written"
+    )
+    _add_workers(command, "films")
+    command.set_defaults(scheduler=None)
     add_json(command, "print JSON lines: events, the summary last")
     add_overwrite(command)
 

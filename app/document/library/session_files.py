@@ -55,21 +55,26 @@ def session_for(video: Path, workspace: Path) -> Path:
     Nothing is made: the path may not exist yet.
     """
     video = video.absolute()
-    beside, ours = _free_session_path(video.parent, video), _free_session_path(workspace, video)
+    beside, ours = session_in(video.parent, video), session_in(workspace, video)
     for place in (beside, ours):
         if place.exists():
             return place
     return beside if _is_writable(video.parent) else ours
 
 
-def _free_session_path(folder: Path, video: Path) -> Path:
-    """Return the folder of this video, or the first that is free."""
-    stem = video.name if video.is_dir() else video.stem
-    for name in numbered(stem + SESSION_FOLDER):
+def session_in(folder: Path, video: Path) -> Path:
+    """A video's session in a folder: its own, or the first that is free; it may not exist yet."""
+    for name in numbered(session_name(video)):
         place = folder / name / SESSION
         if not place.exists() or _is_about(place, video):
             return place
     raise AssertionError("names never end")
+
+
+def session_name(video: Path) -> str:
+    """What the folder of a video's session is called: `jump.keypose`."""
+    stem = video.name if video.is_dir() else video.stem
+    return f"{stem}{SESSION_FOLDER}"
 
 
 def _is_about(session: Path, video: Path) -> bool:

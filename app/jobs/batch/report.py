@@ -7,6 +7,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
+import numpy as np
+
+from keypose.app.export.report.images import embedded
 from keypose.app.export.report.markup import Child, Html, element, joined, logo
 from keypose.app.export.report.report import (
     Subject,
@@ -18,7 +22,7 @@ from keypose.app.export.report.report import (
 )
 from keypose.app.jobs.batch.task import Summary
 from keypose.tracker.errors import KeyposeError
-from keypose.tracker.files import read_head
+from keypose.tracker.files import read_head, read_own
 from keypose.tracker.session import Session
 from keypose.tracker.session.verdict import VERDICT_KINDS, WORST_FIRST
 from keypose.tracker.storage.files import load_session, open_video_of
@@ -29,6 +33,7 @@ NAME = "batch-report.html"
 TITLE = "Keypose batch report"
 MOST_CHARTS, MOST_PICTURES = 12, 3
 """Of one session; its own report shows all."""
+LARGEST_PICTURE_BYTES = 2**22
 APART = "margin-top: 16px"
 MARK = f"<title>{TITLE}</title>".encode()
 MARK_WITHIN = 4096
@@ -131,9 +136,47 @@ def _session(number: int, entry: Entry) -> Html:
     pieces: list[Child] = [element("h2", entry.name), _facts(summary)]
     if summary.words:
         pieces.append(element("p", summary.words, class_="problem"))
+    pieces += _decided(summary)
     with suppress(KeyposeError):
         pieces += _found(Path(summary.session))
     return element("section", *pieces, id=f"session-{number}")
+
+
+def _decided(summary: Summary) -> list[Child]:
+    """What was decided of a film that nobody looked at, whom it shows, and where to look."""
+    pieces: list[Child] = []
+    if summary.person is not None:
+        pieces.append(_person(Path(summary.person)))
+    if summary.notes:
+        pieces.append(element("ul", *(element("li", words) for words in summary.notes)))
+    if not summary.places:
+        return pieces
+    head = (element("th", t) for t in ("Frame", "Part", "Expected error", "Reason"))
+    rows = (
+        element("tr", *(element("td", t) for t in (str(p.frame), p.part, p.size, p.reason)))
+        for p in summary.places
+    )
+    table = element(
+        "table",
+        element("thead", element("tr", *head)),
+        element("tbody", *rows),
+        class_="rows",
+    )
+    return [*pieces, element("h3", "To review"), element("div", table, class_="scroll")]
+
+
+def _person(path: Path) -> Html | None:
+    """The frame with the box that was taken; None where the picture is gone or none."""
+    try:
+        content = np.frombuffer(read_own(path, LARGEST_PICTURE_BYTES), np.uint8)
+    except OSError:
+        return None
+    picture = cv2.imdecode(content, cv2.IMREAD_COLOR_RGB)
+    if picture is None:
+        return None
+    words = "The person that was found"
+    caption = element("figcaption", element("b", words))
+    return element("figure", embedded(np.asarray(picture, np.uint8), words), caption)
 
 
 def _facts(summary: Summary) -> Html:

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
 from typing import TypeAlias
 
+from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
 from keypose.app.export.motion_files import motion_files, saved_motion
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.batch.finding import SESSION
-from keypose.app.jobs.batch.task import Export, SegmentSummary, State, Step, Summary, Task
+from keypose.app.jobs.batch.make_session import PICTURE, is_made_here, make_session, notes_of
+from keypose.app.jobs.batch.task import (
+    Export,
+    PlaceToReview,
+    SegmentSummary,
+    State,
+    Step,
+    Summary,
+    Task,
+)
 from keypose.app.jobs.find_camera import find_saved, is_camera_wanted, with_found
 from keypose.app.jobs.job import Finished, Progress
 from keypose.app.jobs.progress import Wanted
@@ -25,12 +36,17 @@ from keypose.app.jobs.rerun import (
     with_repeats,
     with_settings,
 )
+from keypose.app.jobs.stand import stood
 from keypose.app.jobs.track import found_in
 from keypose.app.jobs.wire import failure_message
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
+from keypose.app.words.review import row_of_place
+from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.review.places import review_of
 from keypose.tracker.session import Session
+from keypose.tracker.space.soles import soles_of
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import (
     load_session,
@@ -38,9 +54,9 @@ from keypose.tracker.storage.files import (
     save_session,
     with_present_fingerprints,
 )
-from keypose.tracker.storage.results import Results, load_results
+from keypose.tracker.storage.results import Results, load_results, save_results
 from keypose.tracker.storage.tracks import load_tracks
-from keypose.tracker.tracking.pool import SegmentFinished
+from keypose.tracker.tracking.pool import Cancelled, SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
@@ -96,8 +112,12 @@ def run_task(task: Task, send: SendStep, stop: Event) -> Summary:
 def _failure_as_summary(task: Task, send: SendStep, stop: Event) -> Summary:
     name = str(task.session)
     try:
-        with SessionLock.take(task.session.parent):
-            return _track_missing(task, send, stop)
+        with _folder_of(task), SessionLock.take(task.session.parent):
+            if task.film is not None:
+                make_session(task, task.film, send, stop)
+            return _finished(task, _track_missing(task, send, stop), send)
+    except Cancelled:
+        return Summary(name, "interrupted", notes=_notes_of(task))
     except LockedElsewhere as held:
         return Summary(name, "open", f"{str(held)[:1].upper()}{str(held)[1:]}: left alone.")
     except MemoryError:
@@ -105,6 +125,24 @@ def _failure_as_summary(task: Task, send: SendStep, stop: Event) -> Summary:
     except Exception as error:  # noqa: BLE001 — a fault, reported as such; the other sessions go on
         words = failure_message(error, "Keypose ran into an internal error ({}).")
         return Summary(name, "failed", words)
+
+
+@contextmanager
+def _folder_of(task: Task) -> Iterator[None]:
+    """The folder of the session, made where a film has none yet; it goes again where nothing came
+    of that."""
+    folder = task.session.parent
+    if task.film is None or folder.is_dir():
+        yield
+        return
+    make_folder(folder, error=SessionError)
+    try:
+        yield
+    finally:
+        if [path.name for path in folder.iterdir()] == [LOCK]:
+            with suppress(OSError):  # somebody else has taken it meanwhile
+                (folder / LOCK).unlink()
+                folder.rmdir()
 
 
 @dataclass(eq=False)
@@ -132,13 +170,60 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
             asked = with_repeats(asked, video, wanted[0][0], wanted[-1][1])
             found = _track(task, asked, video, wanted, send, stop)
         save_found(asked, task.session, found.tracks)
-    summary = _summary(task, found)
-    if task.export is None or not summary.is_done:
+    return _summary(task, found)
+
+
+def _finished(task: Task, summary: Summary, send: SendStep) -> Summary:
+    """The summary of a session that is tracked: stood on the floor and exported, as was asked for,
+    and with what is to be reviewed of a film that nobody has looked at."""
+    if not summary.is_done:
         return summary
+    if task.film is not None and is_made_here(task.session):
+        summary = _reviewed(task, summary, _stood_words(task, send))
+    if task.export is None:
+        return summary
+    send(Step(0, stage="export"))
     try:
         return replace(summary, exported=export_motion(task.session, task.export))
     except FormatError as error:
         return replace(summary, state="failed", words=str(error))
+
+
+def _stood_words(task: Task, send: SendStep) -> tuple[str, ...]:
+    """Stand the motion on its floor, unless it does or is not to; what that changed, or why it
+    cannot be."""
+    session = load_session(task.session)
+    if not task.stand or session.world.floor_m is not None:
+        return ()
+    send(Step(0, stage="stand"))
+    try:
+        done, results = stood(session, task.session, load_results(session, task.session))
+    except SessionError as error:
+        return (f"Not stood on the floor: {error}",)
+    save_session(save_results(done.session, task.session, results), task.session)
+    soles = soles_of(done.session, results.space(done.session))
+    return standing_words(done), *([] if soles is None else [soles_words(soles)])
+
+
+def _reviewed(task: Task, summary: Summary, stood_words: tuple[str, ...]) -> Summary:
+    """The summary with what was decided and where to look, the worst first."""
+    session = load_session(task.session)
+    review = review_of(session, load_results(session, task.session))
+    places = tuple(
+        PlaceToReview(place.frame, *row_of_place(place)[1:])
+        for place in review.above(review.goal_px)
+    )
+    picture = task.session.with_name(PICTURE)
+    return replace(
+        summary,
+        notes=(*_notes_of(task), *stood_words),
+        places=places,
+        person=str(picture) if picture.is_file() else None,
+    )
+
+
+def _notes_of(task: Task) -> tuple[str, ...]:
+    return () if task.film is None else notes_of(task.session)
 
 
 def _as_exported(session: Session, path: Path) -> Session:

@@ -6,12 +6,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+from keypose.app.orders.film import FilmToDraft
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.app.orders.tracking import AS_SET, TrackOrder
 from keypose.tracker.session.settings import Quality
 
 State: TypeAlias = Literal["tracked", "kept", "failed", "open", "interrupted"]
 """kept: nothing was missing.  open: another Keypose has it, so it was left alone."""
+Stage: TypeAlias = Literal["person", "draft", "camera", "track", "stand", "export"]
+"""What is done of one session, one after the other."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,9 @@ class Task:
     """Track one session.
 
     order: how.  missing_only: leave the segments alone that have
-    a result which fits.  threads: segments side by side.
+    a result which fits.  threads: segments side by side.  film: what the session is made of first,
+    unless it is there.  anew: whether it is made anew where it is there.  stand: whether the motion
+    of a film that was drafted is stood on the floor afterwards.
     """
 
     session: Path
@@ -37,6 +42,9 @@ class Task:
     missing_only: bool = False
     export: Export | None = None
     threads: int = 1
+    film: FilmToDraft | None = None
+    anew: bool = False
+    stand: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,8 +60,22 @@ class SegmentSummary:
 
 
 @dataclass(frozen=True)
+class PlaceToReview:
+    """A place of the motion to look at, in words."""
+
+    frame: int
+    part: str
+    size: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Summary:
-    """What became of one session. words: a sentence where something is worth one."""
+    """What became of one session. words: a sentence where something is worth one.
+
+    notes: what was decided without a person, a sentence each.  places: to review, the worst first.
+    person: the picture of the person that was found, a file beside the session.
+    """
 
     session: str
     state: State
@@ -62,6 +84,9 @@ class Summary:
     tracks: str | None = None
     segments: tuple[SegmentSummary, ...] = ()
     exported: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    places: tuple[PlaceToReview, ...] = ()
+    person: str | None = None
 
     @property
     def is_done(self) -> bool:
@@ -77,7 +102,8 @@ class Summary:
 
 @dataclass(frozen=True)
 class Step:
-    """How far a session is; the segment that has just been finished, if one has."""
+    """How far a stage of a session is; the segment that has just been finished, if one has."""
 
     percent: int
     segment: dict[str, Any] | None = None
+    stage: Stage = "track"

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from keypose.app.cli import batch as command
+from keypose.app.cli import many as command
 from keypose.app.cli.main import main
 from keypose.app.jobs.batch.journal import FOLDER
 from keypose.app.jobs.batch.pool import News, WorkerDied

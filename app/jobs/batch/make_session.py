@@ -1,0 +1,263 @@
+"""Make the session of a film that nobody has opened: whom it shows, a draft, camera, keyframes.
+
+What was done stands in the session's file, so that the same order goes on from there: drafts that
+are left, drafts that are no keyframes yet. Beside it `person.json` says what was asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from threading import Event
+from typing import Final, TypeAlias
+
+import cv2
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from keypose.app.editor.drafted import missing_frames, proposed_frames, with_accepted
+from keypose.app.export.report.images import jpeg
+from keypose.app.jobs.batch.task import Stage, Step, Task
+from keypose.app.jobs.draft import drafted, progress_of
+from keypose.app.jobs.film_session import (
+    WhoIsDrafted,
+    begun_session,
+    frames_to_draft,
+    opened_film,
+    who_is_drafted,
+    with_draft_kept,
+)
+from keypose.app.jobs.find_camera import find_saved, found_words, with_found
+from keypose.app.jobs.find_up import upright_lines
+from keypose.app.jobs.rerun import with_repeats, with_settings
+from keypose.app.jobs.stand import needs_lines
+from keypose.app.orders.film import FILM_ORDERS, FilmToDraft
+from keypose.app.orders.tracking import said
+from keypose.app.words.people import (
+    accepted_words,
+    another_person_words,
+    found_person_words,
+    undrafted_words,
+)
+from keypose.app.words.standing import camera_words
+from keypose.tracker.errors import KeypointError, SessionError
+from keypose.tracker.files import read_own
+from keypose.tracker.fitting.draft import DraftProgress
+from keypose.tracker.keypoints.region import Box
+from keypose.tracker.session import Session
+from keypose.tracker.session.settings import FrameIndex
+from keypose.tracker.storage.atomic import write_file
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.tracking.pool import Cancelled
+from keypose.tracker.video import Video
+from keypose.tracker.video.info import MissingFrame
+
+RECORD: Final = "person.json"
+PICTURE: Final = "person.jpg"
+"""Beside the session, the frame of the box with the box."""
+LARGEST_RECORD_BYTES: Final = 2**16
+PICTURE_PX: Final = 640
+BOX_RGB: Final = (64, 200, 120)
+SendStep: TypeAlias = Callable[[Step], None]
+
+
+class _Record(BaseModel):
+    """What was asked for of a film, and who is drafted in it; notes: what was found by itself."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    asked: dict[str, str]
+    frame: FrameIndex
+    box: Box
+    notes: tuple[str, ...] = ()
+
+    def with_note(self, words: str) -> _Record:
+        return self.model_copy(update={"notes": (*self.notes, words)}) if words else self
+
+
+def is_made_here(session_path: Path) -> bool:
+    """Whether a session was made of a film without a person's hand."""
+    return session_path.with_name(RECORD).is_file()
+
+
+def notes_of(session_path: Path) -> tuple[str, ...]:
+    """What was decided while such a session was made, a sentence each."""
+    record = _record_of(session_path)
+    return () if record is None else record.notes
+
+
+def make_session(task: Task, film: FilmToDraft, send: SendStep, stop: Event) -> None:
+    """Make the session of a film, or what of it is not made yet; a session that was begun by hand
+    is left as it is.
+
+    Cancelled once `stop` is set, with what is done kept; KeyposeError in one sentence where the
+    film cannot be drafted, or the session is there and was made of another order.
+    """
+    path = task.session
+    is_there = path.is_file() and not task.anew
+    record = None if task.anew else _record_of(path)
+    if is_there and record is None:
+        _require_nothing_asked(film, path)
+        return
+    if record is not None and record.asked != _asked(task, film):
+        raise SessionError(
+            f"{path.parent.name} is there and was made with other options: use the same, add "
+            "--overwrite to begin anew, or choose another folder."
+        )
+    session = load_session(path) if is_there else None
+    if record is None or session is None or _is_left(session):
+        session, record = _drafted(task, film, record, send, stop)
+    if not session.subject.keyframes:
+        session, record = _with_camera(session, path, record, _sender(send, "camera", stop))
+        _accept(session, path, record)
+
+
+def _require_nothing_asked(film: FilmToDraft, path: Path) -> None:
+    if any(said(getattr(film, name)) for name in FILM_ORDERS):
+        raise SessionError(
+            f"{path.parent.name} is there and was begun by hand, so what is said of its film does "
+            "not count: leave it away, or add --overwrite to begin anew."
+        )
+
+
+def _asked(task: Task, film: FilmToDraft) -> dict[str, str]:
+    orders = {name: getattr(film, name) for name in FILM_ORDERS} | {"track": task.order}
+    return {
+        f"{name}.{field}": str(value)
+        for name, order in orders.items()
+        for field, value in said(order).items()
+    }
+
+
+def _is_left(session: Session) -> bool:
+    """Whether a draft was cancelled before its end."""
+    return session.subject.drafted is None or session.subject.drafted.rest is not None
+
+
+def _drafted(
+    task: Task, film: FilmToDraft, record: _Record | None, send: SendStep, stop: Event
+) -> tuple[Session, _Record]:
+    """The session with its drafts, written; and whom they are of."""
+    path = task.session
+    with opened_film(film) as video:
+        session = with_settings(begun_session(film, video, path), task.order)
+        frames = frames_to_draft(film.order, session)
+        if record is None:
+            report = _sender(send, "person", stop)
+            who = who_is_drafted(film.order, session, video, report)
+            record = _begin_record(task, film, who, video)
+        who = WhoIsDrafted(record.frame, record.box)
+        if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
+            session = session.with_up(lines.up_camera)
+            found = f"{camera_words(lines.up_camera.tolist())}, by upright lines."
+            record = record.with_note(found) if found not in record.notes else record
+        session = with_repeats(session, video, *frames)
+        report_share = _sender(send, "draft", None)
+
+        def report_draft(progress: DraftProgress) -> None:
+            report_share(progress_of(progress)[0])
+
+        drafts = drafted(
+            session, video, who.frame, who.box, frames,
+            proportions=True, report=report_draft, cancelled=stop.is_set,
+        )  # fmt: skip
+        session = with_draft_kept(session, video, path, who, frames, drafts)
+    _write_record(record, path)
+    save_session(session, path)
+    if drafts.detected is not None:
+        raise Cancelled
+    return session, record
+
+
+def _with_camera(
+    session: Session, path: Path, record: _Record, report: Callable[[float], None]
+) -> tuple[Session, _Record]:
+    """The session with its camera's motion, where it has one that nobody knows yet; written."""
+    if session.has_static_camera or session.view.camera_motion is not None:
+        return session, record
+    found = find_saved(session, path, None, report)
+    session, record = with_found(session, found), record.with_note(found_words(found))
+    _write_record(record, path)
+    save_session(session, path)
+    return session, record
+
+
+def _accept(session: Session, path: Path, record: _Record) -> None:
+    """Take the proposed drafts as keyframes, and say which."""
+    frames = proposed_frames(session)
+    drafted = session.subject.drafted
+    if len(frames) < 2 or drafted is None:
+        raise KeypointError(
+            "The person is seen well in too few frames to be tracked: give another box, or other "
+            "frames."
+        )
+    record = record.with_note(accepted_words(frames))
+    record = record.with_note(undrafted_words(missing_frames(drafted)))
+    others = [place.frame for place in drafted.places if place.reason == "person"]
+    record = record.with_note(another_person_words(others))
+    _write_record(record, path)
+    save_session(with_accepted(session, frames), path)
+
+
+def _sender(send: SendStep, stage: Stage, stop: Event | None) -> Callable[[float], None]:
+    """What reports the share of a stage, once for each per cent, and leaves where it is to stop."""
+    reported = -1
+
+    def report(share: float) -> None:
+        nonlocal reported
+        if stop is not None and stop.is_set():
+            raise Cancelled
+        percent = int(100 * share)
+        if percent > reported:
+            reported = percent
+            send(Step(percent, stage=stage))
+
+    return report
+
+
+# --- the record
+
+
+def _begin_record(task: Task, film: FilmToDraft, who: WhoIsDrafted, video: Video) -> _Record:
+    words = () if who.found is None else (found_person_words(who.found),)
+    if who.found is not None:
+        _write_picture(who, video, task.session.with_name(PICTURE))
+    return _Record(asked=_asked(task, film), frame=who.frame, box=who.box, notes=words)
+
+
+def _write_record(record: _Record, session_path: Path) -> None:
+    content = record.model_dump_json(indent=2).encode()
+    write_file(session_path.with_name(RECORD), content, overwrite=True, error=SessionError)
+
+
+def _record_of(session_path: Path) -> _Record | None:
+    """What was asked for; None where the session was not made here. SessionError for a damaged
+    one."""
+    path = session_path.with_name(RECORD)
+    try:
+        content = read_own(path, LARGEST_RECORD_BYTES)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise SessionError(f"{str(path)!r} cannot be read: {error.strerror or error}.") from None
+    try:
+        return _Record.model_validate_json(content)
+    except ValidationError:
+        raise SessionError(
+            f"{str(path)!r} is damaged: remove it to track the session as it stands, or add "
+            "--overwrite to begin anew."
+        ) from None
+
+
+def _write_picture(who: WhoIsDrafted, video: Video, path: Path) -> None:
+    """The frame with the box, small."""
+    try:
+        picture = video.frame(who.frame).copy()
+    except MissingFrame:
+        return
+    left, top, right, bottom = (round(edge) for edge in who.box)
+    thick = max(2, picture.shape[1] // 300)
+    cv2.rectangle(picture, (left, top), (right, bottom), BOX_RGB, thick)
+    share = min(1.0, PICTURE_PX / max(picture.shape[:2]))
+    small = cv2.resize(picture, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+    write_file(path, jpeg(np.asarray(small, np.uint8)), overwrite=True, error=SessionError)
