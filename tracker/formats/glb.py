@@ -9,11 +9,12 @@ its rate, its frames, the film's timecode and, where the motion was low-pass fil
 
 The film's camera is the node "camera", which moves as it did. glTF knows the angle it sees, but no
 principal point beside the middle and no distortion: the exact numbers are in the camera's `extras`.
-A telephoto lens is an orthographic camera. Nor can what it sees change: of a lens that zooms the
-animation's `extras` have the focal length of every frame as a multiple of the camera's.
+A telephoto lens is an orthographic camera. A lens that zooms has its angle at every frame by
+KHR_animation_pointer, which Blender plays and programs without it ignore; the animation's `extras`
+have its focal length, too, as a multiple of the camera's.
 
-With the rig of VRM the file is a VRM animation, too: its name may end in .vrma. All others need no
-extension.
+With the rig of VRM the file is a VRM animation, too: its name may end in .vrma. No extension is
+required.
 """
 
 from __future__ import annotations
@@ -85,6 +86,7 @@ def _skinned(body: Body, rig: Rig, parts: Sequence[int], numbers: Numbers) -> di
     }
 
 
+POINTER, YFOV = "KHR_animation_pointer", "/cameras/0/perspective/yfov"
 NEAR_M, FAR_M = 0.01, 1000.0
 """Programs draw nothing that is nearer to the camera, or farther where it must be said."""
 
@@ -130,7 +132,13 @@ def glb(
         "skins": [_skin(rig, numbers)],
         "animations": [_animation(recording, rig, T_world_camera, numbers)],
     }
-    return numbers.file(document | _vrm_animation(rig))
+    extensions = _vrm_animation(rig)
+    used_extensions = [*extensions, *([POINTER] if _zooms(recording) else [])]
+    if extensions:
+        document["extensions"] = extensions
+    if used_extensions:
+        document["extensionsUsed"] = used_extensions
+    return numbers.file(document)
 
 
 def _bone_nodes(rig: Rig) -> list[Node]:
@@ -175,28 +183,39 @@ def _animation(
     rotations = smooth_quaternions_xyzw(Rs_parent_bone)
     clock = numbers.add(times_s, "SCALAR", "animation", bounded=True)
     places = numbers.add(ps_parent_mover.astype(np.float32), "VEC3", "animation")
-    outputs = [(rig.mover, "translation", places)]
+    outputs = [(_of_node(rig.mover, "translation"), places)]
     for i in range(len(rig)):
         turns = np.ascontiguousarray(rotations[:, i])
-        outputs.append((i, "rotation", numbers.add(turns, "VEC4", "animation")))
+        outputs.append((_of_node(i, "rotation"), numbers.add(turns, "VEC4", "animation")))
     if recording.seen_from is not None:
         Ts, node = recording.Ts_world_camera, len(rig) + 2
         turns = np.ascontiguousarray(smooth_quaternions_xyzw((Ts * TURN)[:, None, :3, :3])[:, 0])
         way = np.ascontiguousarray(Ts[:, :3, 3]).astype(np.float32)
-        outputs.append((node, "translation", numbers.add(way, "VEC3", "animation")))
-        outputs.append((node, "rotation", numbers.add(turns, "VEC4", "animation")))
+        outputs.append((_of_node(node, "translation"), numbers.add(way, "VEC3", "animation")))
+        outputs.append((_of_node(node, "rotation"), numbers.add(turns, "VEC4", "animation")))
+    if _zooms(recording):
+        angles = [_yfov(recording.camera_at(row)) for row in range(len(recording))]
+        seen = numbers.add(np.array(angles, dtype=np.float32), "SCALAR", "animation")
+        outputs.append(({"path": "pointer", "extensions": {POINTER: {"pointer": YFOV}}}, seen))
     return {
         "name": "motion",
-        "channels": [
-            {"sampler": k, "target": {"node": node, "path": path}}
-            for k, (node, path, _) in enumerate(outputs)
-        ],
+        "channels": [{"sampler": k, "target": target} for k, (target, _) in enumerate(outputs)],
         "samplers": [
-            {"input": clock, "output": output, "interpolation": "LINEAR"}
-            for _, _, output in outputs
+            {"input": clock, "output": output, "interpolation": "LINEAR"} for _, output in outputs
         ],
         "extras": _facts(recording) | {"rig": rig.name},
     }
+
+
+def _of_node(node: int, path: str) -> dict[str, Any]:
+    """What a channel animates."""
+    return {"node": node, "path": path}
+
+
+def _zooms(recording: Recording) -> bool:
+    """Whether the angle of the camera changes; a telephoto lens has none."""
+    path = recording.seen_from
+    return path is not None and path.zooms and recording.camera.telephoto_distance_m is None
 
 
 def _facts(recording: Recording) -> dict[str, Any]:
@@ -224,7 +243,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
     exact["pixel_centres"] = "at integers"
     if camera.telephoto_distance_m is None:
         seen: dict[str, float] = {
-            "yfov": 2 * math.atan(camera.height / 2 / camera.fy),
+            "yfov": _yfov(camera),
             "aspectRatio": camera.width * camera.fy / (camera.height * camera.fx),
             "znear": NEAR_M,
             "zfar": FAR_M,
@@ -241,13 +260,15 @@ def _camera(camera: Camera) -> dict[str, Any]:
     return {"name": "camera", "type": "orthographic", "orthographic": seen, "extras": exact}
 
 
+def _yfov(camera: Camera) -> float:
+    """What the picture spans down, radians."""
+    return 2 * math.atan(camera.height / 2 / camera.fy)
+
+
 def _vrm_animation(rig: Rig) -> dict[str, Any]:
-    """Return which node is which humanoid bone, as VRMC_vrm_animation 1.0 has it."""
+    """The extension of VRM's rig: which node is which humanoid bone; none of other rigs."""
     if rig.name != "vrm":
         return {}
     named = {row.name for row in table_of(rig.name).rows()}
     bones = {name: {"node": i} for i, name in enumerate(rig.names) if name in named}
-    humanoid = {"specVersion": "1.0", "humanoid": {"humanBones": bones}}
-    return {
-        "extensionsUsed": ["VRMC_vrm_animation"], "extensions": {"VRMC_vrm_animation": humanoid}
-    }  # fmt: skip
+    return {"VRMC_vrm_animation": {"specVersion": "1.0", "humanoid": {"humanBones": bones}}}

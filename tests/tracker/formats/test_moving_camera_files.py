@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,11 +78,32 @@ def test_the_camera_of_a_glb_sees_every_frame_as_the_film_did() -> None:
     np.testing.assert_allclose(seen[:, :3, 3], expected[:, :3, 3], atol=2e-5)
 
 
-def test_a_zoom_is_told_beside_a_glb_which_cannot_hold_it() -> None:
-    content = written(moving())
+def document_of(content: bytes) -> dict[str, Any]:
     length = int.from_bytes(content[12:16], "little")
-    extras = json.loads(content[20 : 20 + length])["animations"][0]["extras"]
-    np.testing.assert_allclose(extras["camera_zoom"], path_of().zoom, atol=1e-6)
+    return dict(json.loads(content[20 : 20 + length]))
+
+
+@pytest.mark.parametrize("rig", ["keypose", "vrm"])
+def test_the_camera_of_a_glb_zooms_as_the_films_did_and_needs_no_extension(rig: str) -> None:
+    made = moving()
+    content = written(made, rig)
+    document = document_of(content)
+    assert "KHR_animation_pointer" in document["extensionsUsed"]
+    assert "extensionsRequired" not in document
+    (animation,) = document["animations"]
+    (channel,) = [one for one in animation["channels"] if one["target"]["path"] == "pointer"]
+    assert "node" not in channel["target"]
+    pointer = channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"]
+    assert pointer == "/cameras/0/perspective/yfov"
+    sampler = animation["samplers"][channel["sampler"]]
+    angles = Player.of(content).array(sampler["output"])[:, 0]
+    focal = made.camera.height / 2 / np.tan(angles / 2)
+    np.testing.assert_allclose(focal / made.camera.fy, path_of().zoom, rtol=1e-6)
+    np.testing.assert_allclose(animation["extras"]["camera_zoom"], path_of().zoom, atol=1e-6)
+
+
+def test_a_camera_that_does_not_zoom_needs_no_extension() -> None:
+    assert "extensionsUsed" not in document_of(written(moving(1.0)))
 
 
 def test_usd_has_the_camera_at_every_frame(tmp_path: Path) -> None:
