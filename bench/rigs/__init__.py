@@ -12,7 +12,7 @@ import importlib
 from bench.keeping import Absent
 from bench.table import Report
 
-PROGRAMS = ("readers", "blender", "blender_bones", "three_js", "opensim")
+PROGRAMS = ("readers", "blender", "blender_bones", "blender_cameras", "three_js", "opensim")
 
 
 def rigs(report: Report) -> None:

@@ -27,12 +27,15 @@ SECONDS = 900
 
 @dataclass(frozen=True, eq=False)
 class Written:
-    """The rendered person's walk with the bones of one rig, at an even rate."""
+    """The rendered person's walk with the bones of one rig, at an even rate; or another motion."""
 
     rig_name: str
+    another: Recording | None = None
 
     @cached_property
     def recording(self) -> Recording:
+        if self.another is not None:
+            return self.another
         made = recordings.recording("person")
         times_s = np.arange(len(made)) / FPS
         return replace(made, times_s=times_s, rate=float(FPS))
@@ -80,8 +83,8 @@ class Written:
 
     def uv(self, frame: int) -> Array:
         """(B, 2) pixels at which the film's camera sees where the bones begin."""
-        T_camera_world = np.linalg.inv(self.T_world_camera)
-        return self.recording.camera.project(
+        T_camera_world = np.linalg.inv(self.recording.Ts_world_camera[frame])
+        return self.recording.camera_at(frame).project(
             apply_transform(T_camera_world, self.ps_world_bone[frame])
         )
 

@@ -155,10 +155,8 @@ def test_fbx_is_the_glb_and_a_script_for_blender_at_the_rate_of_the_film(
     files = exported(path, "fbx", "--fps", "29.97")
     assert "blender --background --python motion_to_fbx.py" in capsys.readouterr().err
     assert files["motion.glb"] == exported(path, "glb", "--fps", "29.97")["motion.glb"]
-    script = ast.parse(files["motion_to_fbx.py"])
-    numbers = [node.value for node in ast.walk(script) if isinstance(node, ast.Constant)]
-    fps, base = (next(n for n in numbers if type(n) is kind) for kind in (int, float))
-    assert fps / base == pytest.approx(29.97)
+    assert b"FPS, FPS_BASE = 30, 1.001001001" in files["motion_to_fbx.py"]
+    ast.parse(files["motion_to_fbx.py"])
 
 
 UNEVEN_MS = [0, 30, 70, 90, 200, 233, 240, 300, 420]
