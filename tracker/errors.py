@@ -82,11 +82,16 @@ class ChoiceError(FormatError):
 # --- sentences
 
 
+_OBJECT = "should be an object, with a name for every value"
+"""What is said where pydantic would name a class of this program."""
+
+
 def one_sentence(error: ValidationError) -> str:
     """The first problem as a sentence that names the field and says what is allowed."""
     first = error.errors(include_url=False)[0]
     place = ".".join(str(step) for step in first["loc"])
-    text = first["msg"].removeprefix("Value error, ").rstrip(".")
+    text = _OBJECT if "class_name" in first.get("ctx", {}) else first["msg"]
+    text = text.removeprefix("Value error, ").rstrip(".")
     text = text[:1].lower() + text[1:]
     more = error.error_count() - 1
     rest = f" (and {more} more)" if more else ""
