@@ -15,7 +15,7 @@ from keypose.app.export.motion_formats import MotionFormat, formats_of
 from keypose.app.orders.film import FILM_ORDERS
 from keypose.app.orders.order import Option, options_of, require_one_of_each_group
 from keypose.app.orders.values import Choice, Misread, Switch, Value, Whole
-from keypose.tracker.errors import FormatError
+from keypose.tracker.errors import FormatError, listed
 
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -247,7 +247,7 @@ def add_orders(command: argparse.ArgumentParser, orders: Mapping[str, type]) -> 
     for kinds in dict.fromkeys(map(tuple, kinds_of.values())):
         order = orders[kinds[0]]
         mine = [(n, one) for n, one in options_of(order).items() if tuple(kinds_of[n]) == kinds]
-        _add_options(command.add_argument_group(" and ".join(kinds)), mine, order)
+        _add_options(command.add_argument_group(listed(kinds)), mine, order)
 
 
 def add_film_orders(command: argparse.ArgumentParser) -> None:
@@ -263,8 +263,18 @@ def film_orders_of(arguments: argparse.Namespace) -> dict[str, Any]:
 def require_of(
     order: type, others: Mapping[str, type], arguments: argparse.Namespace, what: str
 ) -> None:
-    """FormatError for an option of another kind, which would be ignored in silence."""
+    """FormatError for an option of another kind, which would be ignored in silence, and for a
+    value that this kind does not have."""
     own = options_of(order)
+    for name, one in own.items():
+        given = getattr(arguments, name, None)
+        if given is None or not isinstance(one.value, Choice) or not one.value.names:
+            continue
+        if given not in map(one.value.read, one.value.names):
+            chosen = f"{_flag(name, one)} {str(given).replace(' ', '-')}"
+            raise FormatError(
+                f"{chosen} is not for {what}: choose from {', '.join(one.value.names)}."
+            )
     for kind, other in others.items():
         for name, one in options_of(other).items():
             if name not in own and getattr(arguments, name) is not None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -9,20 +12,97 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from keypose.app.editor.documents import require_sound, seen_as_before
+from keypose.app.export.camera_check import compared
+from keypose.app.orders.imports import ImportCamera
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.trajectory import runs
-from keypose.tracker.errors import FormatError, one_sentence
+from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
+from keypose.tracker.formats.cameras.camera_file import CameraReading
+from keypose.tracker.formats.cameras.placing import FilmFrames, placed
 from keypose.tracker.formats.reading_camera import STILL_M, CameraFile, CameraWay
+from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
+from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
 from keypose.tracker.session.schema import Session
+from keypose.tracker.video import Video
+from keypose.tracker.video.info import VideoInfo
 
 DECIMALS = 6
 SAME_DEG, SAME_M = 1e-3, 1e-4
 """What a file's rounding may change: the session then keeps its own, and tracked motion its key."""
+FASTEST_M_S = 8.0
+"""A camera that goes faster is driven, or its file is in another unit."""
+UNKNOWN_RATE = 30.0
+"""Frames a second of a film that cannot be opened."""
 LEAST_FLOOR_M = 0.05
 """The floor lies at least this far above or below the camera."""
+
+
+def reading_of(order: ImportCamera) -> CameraReading:
+    """How a file is meant, as somebody chose."""
+    return CameraReading(order.rotation_order, order.lens_column, order.unit, order.world)
+
+
+def film_frames(session: Session, info: VideoInfo | None) -> FilmFrames:
+    """The frames of a session's film; of one that cannot be opened their number alone."""
+    count = session.view.video.frame_count
+    if info is None:
+        return FilmFrames(np.arange(count) / UNKNOWN_RATE)
+    times_s, code = session.evidence.times_s(info.times_s), info.timecode
+    number = code.number if code is not None and code.of_files else None
+    return FilmFrames(times_s, number)
+
+
+@contextmanager
+def film_or_none(opened: Callable[[], Video]) -> Iterator[Video | None]:
+    """The film for as long as a camera is compared with it; None where it cannot be opened, of
+    which there is a note then."""
+    try:
+        video = opened()
+    except KeyposeError:
+        yield None
+        return
+    with video:
+        yield video
+
+
+def brought(
+    session: Session,
+    found: CameraFile,
+    file: str,
+    order: ImportCamera,
+    video: Video | None,
+) -> CameraFile:
+    """A file's camera in frames of the film, compared with its background, with what was taken for
+    granted or may be wrong. FormatError where it has nothing of the film.
+
+    video: None where the film cannot be opened, or is not to be looked at.
+    """
+    if found.way is None:
+        return found
+    if video is None and found.way.clock == "seconds":
+        raise FormatError(f"{file} has times, and the film that they are of cannot be opened.")
+    film = film_frames(session, None if video is None else video.info)
+    way, notes = placed(file, found.way, film, order.offset_frames)
+    here = replace(found, way=way, notes=(*found.notes, *notes, *_speed(way, film, order)))
+    if video is None:
+        return replace(here, notes=(*here.notes, Note("film not compared")))
+    if session.evidence.has_surface:
+        return here
+    said = compared(session, file, here, found, reading_of(order), film, video)
+    notes = here.notes if said.note is None else (*here.notes, said.note)
+    return replace(here, notes=notes, background_px=said.off_px)
+
+
+def _speed(way: CameraWay, film: FilmFrames, order: ImportCamera) -> tuple[Note, ...]:
+    """A note where a camera goes faster than one is carried, if its unit is the metre."""
+    frames = np.clip(way.frames[[0, -1]], 0, len(film) - 1)
+    seconds = film.second(float(frames[1])) - film.second(float(frames[0]))
+    metres = float(np.linalg.norm(np.diff(way.Ts_world_camera[:, :3, 3], axis=0), axis=1).sum())
+    if order.unit is not None or not way.is_metric or metres <= FASTEST_M_S * seconds:
+        return ()
+    return (Note("camera speed", (metres, seconds)),)
 
 
 def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
@@ -32,17 +112,21 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     shows it as large as before from farther away. What is as it was stays, so that a camera that
     comes back unchanged outdates no motion. Refused where that cannot be.
     """
+    count = session.view.video.frame_count
     if found.way is not None:
-        found = found.from_row(_first_of_film(found.way, session.view.video.frame_count))
+        found = replace(found, way=_of_film(found.way, count, file))
+        found = found.from_row(_first_of_film(found.way))
     old, new = session.view.camera, found.camera
-    seen = session.changed({"lens_source": "calibration", "camera": new})
-    if new.model_copy(update={"origin": old.origin}) == old:
-        seen = seen.changed({"camera": old})
-    turned = seen.with_up(found.up_camera)
-    if turned_deg(session, turned) > SAME_DEG:
-        seen = turned
+    seen = session
+    if new is not None:
+        seen = session.changed({"lens_source": "calibration", "camera": new})
+        if new.model_copy(update={"origin": old.origin}) == old:
+            seen = seen.changed({"camera": old})
+    if found.up_camera is not None:
+        turned = seen.with_up(found.up_camera)
+        if turned_deg(session, turned) > SAME_DEG:
+            seen = turned
     if found.way is not None:
-        count = session.view.video.frame_count
         motion = camera_motion_of(found.way, count, file)
         seen = seen.changed({"camera_motion": motion, "camera_keyframes": ()})
         settings = session.settings.model_copy(update={"static_camera": False})
@@ -61,15 +145,10 @@ def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotio
     Frames that the file does not name are bridged, held at the ends, and reported. FormatError
     where it names none of the film.
     """
-    frames = _of_film(way.frames, frame_count)
-    inside = (frames >= 0) & (frames < frame_count)
-    if not inside.any():
-        raise FormatError(
-            f"{file} has frames {way.frames[0]} to {way.frames[-1]}, and the film 0 to "
-            f"{frame_count - 1}: export the camera of this film."
-        )
-    frames, Ts = frames[inside], way.Ts_world_camera[inside]
-    here = CameraPath(_from_first(Ts), way.zoom[inside])
+    way = _of_film(way, frame_count, file)
+    way = way.rows((way.frames >= 0) & (way.frames < frame_count))
+    frames: NDArray[np.int64] = way.frames
+    here = CameraPath(_from_first(way.Ts_world_camera), way.zoom)
     row = np.interp(np.arange(frame_count), frames, np.arange(len(frames)))
     path = here.sampled(row)
     Ts_exact, zoom = path.Ts_camera_world.copy(), path.zoom.copy()
@@ -83,8 +162,10 @@ def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotio
     )
     exact = CameraPath(Ts_exact, zoom)
     kind: Literal["turns", "moves"] = "moves" if exact.moves else "turns"
+    metres = 1.0 if way.is_metric or kind == "turns" else None
+    pieces = (CameraPiece(first_frame=0, metres=metres),)
     try:
-        return CameraMotion.of(kind, exact, None, findings, file[:120])
+        return CameraMotion.of(kind, exact, None, findings, file[:120], pieces)
     except ValidationError as error:
         raise FormatError(f"{file} has numbers that no camera has: {one_sentence(error)}") from None
 
@@ -98,18 +179,17 @@ def _from_first(Ts_world_camera: Array) -> Array:
     return np.asarray(Ts)
 
 
-def _first_of_film(way: CameraWay, frame_count: int) -> int:
-    """The row of the first frame of the film that a file names; 0 where it names none."""
-    inside = _of_film(way.frames, frame_count) >= 0
-    return int(inside.argmax())
+def _first_of_film(way: CameraWay | None) -> int:
+    """The row of the first frame of the film that a file names."""
+    return 0 if way is None else int((way.frames >= 0).argmax())
 
 
-def _of_film(frames: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """The film's numbers of frames that a file may count from 1, or as image files are."""
-    if frames[0] >= 0 and frames[-1] < count:
-        return frames
-    whole = len(frames) == count and frames[-1] - frames[0] == count - 1
-    return frames - frames[0] if whole else frames
+def _of_film(way: CameraWay, frame_count: int, file: str) -> CameraWay:
+    """The way in frames of the film; of a film of which only their number is known, as its file
+    counts them. FormatError where none lies in it."""
+    if way.clock == "film" and (way.frames < frame_count).any() and (way.frames >= 0).any():
+        return way
+    return placed(file, way, FilmFrames(np.arange(frame_count, dtype=float)))[0]
 
 
 def turned_deg(session: Session, made: Session) -> float:

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from keypose.app.editor.documents import with_drafts
+from keypose.app.export.import_camera import brought, film_or_none, reading_of
 from keypose.app.export.import_keypoints import Draft, drafts_of, match_keypoints
 from keypose.app.export.import_motion import ImportedMotion, fit_to_session, pose_draft
 from keypose.app.orders.imports import EVERY, ImportKeypoints, ImportMotion, ImportOrder
@@ -29,6 +30,7 @@ from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session import Session
+from keypose.tracker.storage.files import open_for_work
 from keypose.tracker.video.info import VideoInfo
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -88,7 +90,10 @@ def import_file(
     if isinstance(order, ImportKeypoints):
         people = read_people(path, order.individual)
         return import_keypoints(session, people, path.name, order, video, progress)
-    return load_camera(path, (session.view.camera.width, session.view.camera.height))
+    size = (session.view.camera.width, session.view.camera.height)
+    found = load_camera(path, size, reading_of(order))
+    with film_or_none(lambda: open_for_work(session, video.path, video.path.parent)) as film:
+        return brought(session, found, path.name, order, film)
 
 
 # --- motion

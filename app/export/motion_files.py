@@ -84,7 +84,14 @@ def sampling_words(
         verb = "has" if len(even) == 1 else "have"
         sentences.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
     first = recording.frames[0] if order.frames is None else order.frames[0]
+    numbered = [name.upper() for name in formats if FORMATS[name].numbered]
+    if order.fps is not None and numbered:
+        sentences.append(
+            f"{listed(numbered)} counts {float(order.fps):.6g} frames a second, which the file "
+            "cannot say: it does not come back to the film's frames."
+        )
     untimed = [name.upper() for name in formats if not FORMATS[name].timed]
+    untimed += numbered if order.from_zero else []
     if first and untimed:
         verb = "begins" if len(untimed) == 1 else "begin"
         sentences.append(

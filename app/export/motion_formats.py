@@ -38,7 +38,8 @@ class Format:
     read at a constant rate.  gaps: whether frames that are not tracked may lie between others.
     rigged: whether it has bones, which may be another rig's; unitless: whether it cannot name its
     unit of length; marked: whether it has markers.
-    timed: whether its file says when in the film it begins.
+    timed: whether its file says when in the film it begins.  numbered: whether it has numbers of
+    frames alone, and no rate.
     """
 
     words: str
@@ -59,6 +60,7 @@ class Format:
     unitless: bool = False
     marked: bool = False
     timed: bool = True
+    numbered: bool = False
 
     def contents(self, recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
         """Return what its files hold; FormatError when it cannot hold the motion."""
@@ -195,7 +197,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "the film's camera for Nuke, metres and degrees, rotation order ZXY",
         "camera_files.chan", ("motion_camera.chan",), "text/plain", "the camera for Nuke",
         "camcorder", "camera nuke rotomation matchmove compositing",
-        title="Export the camera for Nuke", own_times=True,
+        title="Export the camera for Nuke", own_times=True, numbered=True,
     ),
 }  # fmt: skip
 

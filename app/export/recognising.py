@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
-from keypose.app.export.import_camera import turned_deg, with_camera_file
+from keypose.app.export.import_camera import film_frames, turned_deg, with_camera_file
 from keypose.app.export.importing import names_of, video_facts
 from keypose.app.orders.imports import EVERY
 from keypose.app.words.imports import note_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import ChoiceError, FormatError
 from keypose.tracker.files import TooLarge, read_regular
+from keypose.tracker.formats.cameras.placing import placed
 from keypose.tracker.formats.joint_motion import JointMotion
 from keypose.tracker.formats.joint_names import matched
 from keypose.tracker.formats.keypoint_files import (
@@ -26,7 +27,13 @@ from keypose.tracker.formats.keypoint_files import (
 )
 from keypose.tracker.formats.people import People
 from keypose.tracker.formats.reading import MOTION_READERS, load_motion
-from keypose.tracker.formats.reading_camera import CAMERA_READERS, CameraFile, load_camera
+from keypose.tracker.formats.reading_camera import (
+    CAMERA_READERS,
+    CameraFile,
+    is_splats,
+    is_transforms,
+    load_camera,
+)
 from keypose.tracker.formats.reading_keypoints import VideoFacts, keypoints_of, on_video
 from keypose.tracker.formats.text import decoded
 from keypose.tracker.session import Session
@@ -34,7 +41,9 @@ from keypose.tracker.video.info import VideoInfo
 
 Kind: TypeAlias = Literal["motion", "keypoints", "camera"]
 
-_CAMERA_PROGRAMS: Final = {".json": "Keypose", ".chan": "Nuke", ".glb": "glTF", ".gltf": "glTF"}
+_CAMERA_PROGRAMS: Final = {
+    ".json": "JSON", ".chan": "Nuke", ".glb": "glTF", ".gltf": "glTF", ".txt": "COLMAP or TUM",
+}  # fmt: skip
 _KINDS: Final[Sequence[tuple[Kind, frozenset[str]]]] = (
     ("motion", frozenset(MOTION_READERS)),
     ("keypoints", frozenset({*KEYPOINT_READERS, ".json"})),
@@ -65,7 +74,8 @@ def kind_of(path: Path) -> Kind:
     if ending not in ENDINGS:
         raise FormatError(
             f"{path.name} holds nothing that can be imported: a motion (BVH, TRC, C3D, CSV, .npz, "
-            ".pt), keypoints (JSON, CSV, HDF5) or a camera (JSON, .chan, glTF) is expected."
+            ".pt), keypoints (JSON, CSV, HDF5) or a camera (JSON, .chan, glTF, text of COLMAP) is "
+            "expected."
         )
     kinds = [kind for kind, endings in _KINDS if ending in endings]
     if len(kinds) == 1 or ending in PICKLED:
@@ -93,6 +103,8 @@ def _kind_of_json(file: str, content: bytes) -> Kind:
         raise FormatError(f"{file} is not JSON.") from None
     if isinstance(data, dict) and data.get("format") == "keypose camera":
         return "camera"
+    if is_transforms(data) or is_splats(data):
+        return "camera"
     if isinstance(data, dict) and "schema_version" in data:
         raise FormatError(f"{file} is a session: open it where it lies, beside its video.")
     return "keypoints"
@@ -107,7 +119,7 @@ def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
         return _recognised_motion(session, path)
     if kind == "keypoints":
         return _recognised_keypoints(session, path, video)
-    return _recognised_camera(session, path)
+    return _recognised_camera(session, path, video)
 
 
 def _recognised_motion(session: Session, path: Path) -> Recognised:
@@ -189,12 +201,21 @@ def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[Pe
     return within, note_words(notes)
 
 
-def _recognised_camera(session: Session, path: Path) -> Recognised:
+def _recognised_camera(session: Session, path: Path, video: VideoInfo) -> Recognised:
+    """Return what is known of it without a look at the film; where it lies beside the film that is
+    reported, for another start frame may be chosen."""
+    ending = path.suffix.lower()
     found = load_camera(path, (session.view.camera.width, session.view.camera.height))
+    notes = note_words(found.notes)
+    if found.way is not None:
+        try:
+            way, more = placed(path.name, found.way, film_frames(session, video))
+            found, notes = replace(found, way=way), [*notes, *note_words(more)]
+        except FormatError as beside:
+            found, notes = replace(found, way=None), [*notes, str(beside)]
     made = with_camera_file(session, found, path.name)
-    return Recognised(
-        "camera", _CAMERA_PROGRAMS[path.suffix.lower()], camera_facts(session, made, found)
-    )
+    facts = {**camera_facts(session, made, found), "columns": ending == ".chan", "notes": notes}
+    return Recognised("camera", _CAMERA_PROGRAMS[ending], facts)
 
 
 def camera_facts(session: Session, made: Session, found: CameraFile) -> dict[str, Any]:

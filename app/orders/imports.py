@@ -23,12 +23,29 @@ from keypose.app.orders.values import (
 from keypose.tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
+    from keypose.tracker.formats.cameras.camera_file import CameraWorld, LensColumn, RotationOrder
     from keypose.tracker.formats.joint_motion import Unit, World
 
 EVERY: Final = 24
 """Frames from one draft to the next, when none are named."""
 LEAST_TRACKED: Final = 2
 """Keyframes; with fewer there is nothing between them that would be shown or tracked."""
+_OFFSET: Final = Whole("N", -1_000_000, 1_000_000)
+_OFFSET_WORDS: Final = (
+    "video frame at the file's time or frame 0; may be negative, as -1 is for pictures counted "
+    "from 1"
+)
+_OFFSET_NOTE: Final = "of the video, at the file’s frame 0; −1 for pictures counted from 1"
+_UNIT_WORDS: Final = (
+    "unit of the file's lengths; auto scales a motion to the body; default: the file's unit, else "
+    "auto, for a camera m"
+)
+_WORLD_WORDS: Final = (
+    "the file's frame, where no keyframe overlaps and it does not say: the camera's, or a world "
+    "with y or z up; of a camera y-up, the default, or z-up"
+)
+_UNITS: Final = {"m": "Metres", "cm": "Centimetres", "mm": "Millimetres"}
+_UP: Final = {"y-up": "Y up", "z-up": "Z up"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,11 +96,8 @@ class _Both:
         Name("NAME"), "which of several subjects to read", label="Individual", empty="Choose…"
     )
     offset_frames: int | None = option(
-        Whole("N", -1_000_000, 1_000_000),
-        "video frame at the file's time or frame 0; may be negative, as -1 is for pictures counted "
-        "from 1",
-        label="Start frame", empty="0", group="offset",
-        note="of the video, at the file’s frame 0; −1 for pictures counted from 1",
+        _OFFSET, _OFFSET_WORDS,
+        label="Start frame", empty="0", group="offset", note=_OFFSET_NOTE,
     )  # fmt: skip
     places: tuple[tuple[str, str], ...] = option(
         _Place(),
@@ -108,22 +122,16 @@ class ImportMotion(_Both):
     )  # fmt: skip
     unit: Unit | Literal["auto"] | None = option(
         Choice(
-            names=("m", "cm", "mm", "auto"),
-            labels={
-                "m": "Metres", "cm": "Centimetres", "mm": "Millimetres", "auto": "Scale to the body"
-            },
+            names=(*_UNITS, "auto"), labels={**_UNITS, "auto": "Scale to the body"}
         ),
-        "unit of the file's lengths; auto scales them to the body; default: the file's unit, else "
-        "auto",
+        _UNIT_WORDS,
         label="Unit", empty="Scale to the body",
     )  # fmt: skip
     world: World | None = option(
         _World(
-            names=("camera", "y-up", "z-up"),
-            labels={"camera": "As the camera sees", "y-up": "Y up", "z-up": "Z up"},
+            names=("camera", *_UP), labels={"camera": "As the camera sees", **_UP}
         ),
-        "the file's frame, where no keyframe overlaps and it does not say: the camera's, or a "
-        "world with y or z up",
+        _WORLD_WORDS,
         label="World", empty="Not said by the file",
     )  # fmt: skip
     names: Path | None = option(_Names(), '{"their name": "our joint", …}', page=False)
@@ -160,7 +168,42 @@ class ImportKeypoints(_Both):
 
 @dataclass(frozen=True)
 class ImportCamera:
-    """A camera leaves nothing to choose."""
+    """How a camera is read where its file does not say.
+
+    offset_frames: the video's frame at the file's frame or time 0; by itself as the file or the
+    video's image files are numbered.  rotation_order, lens_column: of .chan.
+    """
+
+    offset_frames: int | None = option(
+        _OFFSET, _OFFSET_WORDS, label="Start frame", empty="As numbered", note=_OFFSET_NOTE
+    )
+    unit: Unit | None = option(
+        Choice(names=tuple(_UNITS), labels=_UNITS), _UNIT_WORDS, label="Unit", empty="Metres"
+    )
+    world: CameraWorld | None = option(
+        _World(names=tuple(_UP), labels=_UP), _WORLD_WORDS, label="World", empty="Y up"
+    )
+    rotation_order: RotationOrder | None = option(
+        Choice(
+            names=("zxy", "zyx", "xyz", "xzy", "yxz", "yzx"),
+            labels={name: name.upper() for name in ("zxy", "zyx", "xyz", "xzy", "yxz", "yzx")},
+        ),
+        "axes about which a .chan file turns the camera, the first one first; default: zxy",
+        label="Rotation order", empty="ZXY",
+    )  # fmt: skip
+    lens_column: LensColumn | None = option(
+        Choice(
+            names=("vertical", "horizontal", "mm", "session"),
+            labels={
+                "vertical": "Vertical field of view", "horizontal": "Horizontal field of view",
+                "mm": "Focal length, mm", "session": "Nothing: keep the lens",
+            },
+        ),
+        "what the last column of a .chan file is: the vertical or horizontal field of view, the "
+        "focal length in mm of film 36 mm wide, or nothing that counts, the session's lens "
+        "staying; default: vertical",
+        label="Last column", empty="Vertical field of view",
+    )  # fmt: skip
 
 
 ImportOrder: TypeAlias = ImportMotion | ImportKeypoints | ImportCamera

@@ -12,6 +12,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.export.importing import DraftImport, Import, MotionImport
 from keypose.app.orders.imports import LEAST_TRACKED
+from keypose.app.words.camera import imported_words
 from keypose.app.words.imports import note_words
 from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session import Session
@@ -75,7 +76,9 @@ def with_import(
             " and the floor" if found.floor_m is not None else "",
         )
         words = f"Camera of {file} imported: {focal:.1f} mm, what is up{floor}."
-        outcome = ImportOutcome(words)
+        known = imported_words(doc, found.background_px) if found.way is not None else []
+        detail = " ".join([*note_words(found.notes), *known])
+        outcome = ImportOutcome(words, detail, bool(found.notes))
     return edit.with_step(doc, LABEL), outcome
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraFinding
 
 KINDS: Final = {
@@ -65,3 +66,15 @@ def finding_sentences(found: Sequence[CameraFinding]) -> list[str]:
     """One for every kind, that of cuts first."""
     kinds = sorted(dict.fromkeys(one.kind for one in found), key=lambda kind: kind != "cut")
     return [finding_sentence(*(one for one in found if one.kind == kind)) for kind in kinds]
+
+
+def imported_words(made: Session, background_px: float | None) -> list[str]:
+    """What is known of the motion of a camera that was imported, sentences; none where it stands
+    still. background_px: by how much points of the background are off."""
+    motion = made.view.camera_motion
+    if motion is None:
+        return []
+    words = finding_sentences((*motion.findings, *motion.unscaled))
+    if background_px is None:
+        return [*words, "The film's background does not show whether the camera is right."]
+    return [*words, f"Points of the film's background are usually {background_px:.2g} px off."]

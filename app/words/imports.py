@@ -66,6 +66,75 @@ def _lying(angle: float) -> str:
     )
 
 
+_OTHERWISE: Final = "choose the start frame (--offset-frames) if not."
+_READINGS: Final[dict[str, str]] = {
+    "order": "the rotation order {} (--rotation-order {})",
+    "lens": "the last column as {} (--lens-column {})",
+    "rate": "{} frames a second as its rate",
+    "offset": "the start frame {} (--offset-frames {})",
+}
+_LENSES: Final = {
+    "vertical": "the vertical field of view",
+    "horizontal": "the horizontal field of view",
+    "mm": "the focal length in mm",
+    "session": "nothing, the lens staying as it was",
+}
+
+
+def _camera_frames(why: str, first: float, last: float, here: float, end: float) -> str:
+    file, film = _span(first, last), _span(here, end)
+    return {
+        "files": f"Its frames {file} are taken for {film} of the film, by the numbers of the "
+        f"film's pictures: {_OTHERWISE}",
+        "from 1": f"Its pictures are taken as counted from 1, {file} for the film's frames {film}: "
+        f"{_OTHERWISE}",
+        "whole": f"It has as many frames as the film, so its {file} are taken for {film}: "
+        f"{_OTHERWISE}",
+        "times": f"Its times are taken for the film's, {file} s for the frames {film}: "
+        f"{_OTHERWISE}",
+    }[why]
+
+
+def _span(first: float, last: float) -> str:
+    return f"{first:.4g}–{last:.4g}" if last < 10_000 else f"{first:.0f}–{last:.0f}"
+
+
+def _upright(by_y: float, by_z: float) -> str:
+    return (
+        f"The camera leans by {by_y:.0f}° from upright with y up, as the file is read, and by "
+        f"{by_z:.0f}° with z up: choose z up (--world z-up) if the file has that."
+    )
+
+
+def _speed(metres: float, seconds: float) -> str:
+    return (
+        f"The camera goes {metres:.1f} m in {seconds:.1f} s: choose the unit (--unit cm) if the "
+        "file is not in metres."
+    )
+
+
+def _background_off(off: float, error: float | None = None, kind: str = "", value: str = "") -> str:
+    words = f"Points of the film's background are {_px(off)} off where this camera shows them"
+    if error is None:
+        return (
+            f"{words}: the file may have another rotation order, other frame numbers or another "
+            "lens, or be of another shot."
+        )
+    shown = _LENSES.get(value, value.upper())
+    return f"{words}. With {_READINGS[kind].format(shown, value)} they agree within {_px(error)}."
+
+
+def _px(error: float) -> str:
+    return f"{error:.0f} px" if error >= 10 else f"{error:.2g} px"
+
+
+def _background_still(off: float) -> str:
+    return (
+        f"The background of the film stands still, and with this camera it would go by {_px(off)}: "
+        "the file may be of another shot."
+    )
+
+
 _WORDS: Final[dict[Oddity, Callable[..., str]]] = {
     "row count": _rows,
     "marker count": _markers,
@@ -89,5 +158,19 @@ _WORDS: Final[dict[Oddity, Callable[..., str]]] = {
     "far from keyframes": lambda cm: (
         f"Its joints lie {cm:.0f} cm from the keyframes: check the frame at which it starts, or "
         "whether it is this motion."
+    ),
+    "camera frames": _camera_frames,
+    "camera from first": lambda: (
+        f"Its times are counted from its first line, which is taken for the film's frame 0: "
+        f"{_OTHERWISE}"
+    ),
+    "camera lens kept": lambda: "The file says nothing of the lens, which stays as it was.",
+    "camera upright": _upright,
+    "camera speed": _speed,
+    "several animations": lambda: "Several animations move the camera: the first one was read.",
+    "background off": _background_off,
+    "background still": _background_still,
+    "film not compared": lambda: (
+        "The film cannot be opened, so the camera was not compared with its background."
     ),
 }

@@ -121,6 +121,7 @@ export function optionsOf({ kind, facts }) {
     const several = facts.individuals.length > 0;
     further.individual = { out: !several, needed: several, options: facts.individuals.map(named) };
   }
+  if (kind === 'camera') further.rotation_order = further.lens_column = { out: !facts.columns };
   if (kind === 'keypoints') {
     const several = facts.layouts.length > 0;
     further.layout = { out: !several, needed: several, options: facts.layouts.map(named) };

@@ -86,8 +86,10 @@ function names({ matched, left_out: left, convention }) {
 // --- the fields
 
 function fields({ found, choices }) {
-  if (found.kind === 'camera') return html`<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
   const { options, further } = optionsOf(found);
+  if (found.kind === 'camera') {
+    return html`${orderFields(options, choices, change, further)}<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
+  }
   further.places.field = () => unknownNames(found.facts.left_out, choices.places);
   return orderFields(options, choices, change, further);
 }
@@ -107,7 +109,7 @@ function unknownNames(left, places) {
 const BECOMES = {
   motion: 'An initial guess for tracking. Keyframes stay.',
   keypoints: 'Draft poses to confirm. Keyframes stay.',
-  camera: 'Replaces the lens and what is up.',
+  camera: 'Replaces the lens, what is up and how the camera moves.',
 };
 
 // --- below the fields

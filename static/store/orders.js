@@ -89,7 +89,13 @@ export const IMPORTS = {
     {"name": "offset_frames", "label": "Start frame", "kind": "whole", "least": -1000000, "most": 1000000, "empty": "0", "note": "of the video, at the file’s frame 0; −1 for pictures counted from 1"},
     {"name": "places", "label": "Other names", "kind": "places", "note": "optional"},
   ],
-  camera: [],
+  camera: [
+    {"name": "offset_frames", "label": "Start frame", "kind": "whole", "least": -1000000, "most": 1000000, "empty": "As numbered", "note": "of the video, at the file’s frame 0; −1 for pictures counted from 1"},
+    {"name": "unit", "label": "Unit", "kind": "choice", "options": [{"id": "m", "label": "Metres"}, {"id": "cm", "label": "Centimetres"}, {"id": "mm", "label": "Millimetres"}], "empty": "Metres"},
+    {"name": "world", "label": "World", "kind": "choice", "options": [{"id": "y-up", "label": "Y up"}, {"id": "z-up", "label": "Z up"}], "empty": "Y up"},
+    {"name": "rotation_order", "label": "Rotation order", "kind": "choice", "options": [{"id": "zxy", "label": "ZXY"}, {"id": "zyx", "label": "ZYX"}, {"id": "xyz", "label": "XYZ"}, {"id": "xzy", "label": "XZY"}, {"id": "yxz", "label": "YXZ"}, {"id": "yzx", "label": "YZX"}], "empty": "ZXY"},
+    {"name": "lens_column", "label": "Last column", "kind": "choice", "options": [{"id": "vertical", "label": "Vertical field of view"}, {"id": "horizontal", "label": "Horizontal field of view"}, {"id": "mm", "label": "Focal length, mm"}, {"id": "session", "label": "Nothing: keep the lens"}], "empty": "Vertical field of view"},
+  ],
 };
 
 /** @typedef {'bvh' | 'glb' | 'fbx' | 'usd' | 'trc' | 'mot' | 'c3d' | 'csv' | 'npz' | 'amass' | 'camera' | 'chan'} FormatName */
@@ -111,4 +117,4 @@ export const FORMATS = {
 };
 
 /** Endings of what can be imported. @type {string[]} */
-export const ENDINGS = [".bvh", ".trc", ".c3d", ".csv", ".npz", ".pt", ".pth", ".h5", ".hdf5", ".slp", ".json", ".chan", ".glb", ".gltf"];
+export const ENDINGS = [".bvh", ".trc", ".c3d", ".csv", ".npz", ".pt", ".pth", ".h5", ".hdf5", ".slp", ".json", ".chan", ".glb", ".gltf", ".txt"];

@@ -21,6 +21,15 @@ Oddity: TypeAlias = Literal[
     "lying",
     "starts at",
     "far from keyframes",
+    "camera frames",
+    "camera from first",
+    "camera lens kept",
+    "camera upright",
+    "camera speed",
+    "several animations",
+    "background off",
+    "background still",
+    "film not compared",
 ]
 
 

@@ -74,6 +74,7 @@ _IMPORT_EXAMPLES = """\
   keypose import session.json openpose/ --keypoints --frames 0,24,48
   keypose import dog.json dogDLC.h5 --keypoints --map withers=neck --map tailtip=tail.end
   keypose import session.json shot.chan --camera
+  keypose import session.json plate.chan --camera --offset-frames -1001 --rotation-order xyz
 """
 
 
@@ -82,7 +83,8 @@ def add_import(commands: Subcommands) -> None:
         "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
         "is fitted to the session's body, aligned with its keyframes and saved as an initial "
         "guess, which tracking uses where it scores better than its own. With --keypoints, COCO, "
-        "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. "
+        "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. With "
+        "--camera: the film's camera as another program found it. "
         "Keyframes are never changed."
     )
     command = add_command(commands, "import", details, _IMPORT_EXAMPLES)
@@ -94,8 +96,10 @@ def add_import(commands: Subcommands) -> None:
     command.add_argument_group("camera").add_argument(
         "--camera",
         action="store_true",
-        help="the file holds a camera that stands still: .json or .chan as export writes them, "
-        ".glb or .gltf; sets the lens, what is up and, where the file has it, the floor",
+        help="the file holds a camera, which may move: .json or .chan as export writes them, .glb "
+        "or .gltf, transforms.json, cameras.json of 3D Gaussian splatting, COLMAP's images.txt or "
+        "a path of TUM; sets the lens, what is up, how the camera moves and, where the file has "
+        "it, the floor; compared with the background of the film",
     )
     add_json(command)
 

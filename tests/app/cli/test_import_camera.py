@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from keypose.app.cli.main import main
 from keypose.tracker.body.pose import joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.storage.files import load_session, save_session
 from tests.app.cli_cases import refused
+from tests.tracker import panned_cases as panned
 from tests.tracker import session_cases as cases
 
 
@@ -124,3 +126,57 @@ def test_options_of_motion_are_not_for_a_camera(
     file = chan(path.parent, "1 0 0 0 0 0 0 30")
     command = ["import", path, file, "--camera", "--fps", "30"]
     assert "--fps is for motion, not for --camera" in refused(capsys, path.parent, command)
+
+
+def test_a_film_of_numbered_files_takes_a_camera_by_these_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = panned.write(tmp_path)
+    for number in reversed(range(panned.FRAMES)):
+        file = tmp_path / "film" / f"{number:03}.png"
+        file.rename(tmp_path / "film" / f"{number + 20:03}.png")
+    flip, truth = np.diag([1.0, -1.0, -1.0]), panned.Rs_camera_world()
+    y, x, z = Rotation.from_matrix(flip @ truth.transpose(0, 2, 1) @ flip).as_euler("YXZ", True).T
+    seen = 2 * np.degrees(np.arctan(panned.HEIGHT / 2 / panned.CAMERA.fy))
+    lines = (f"{n + 20} 0 0 0 {x[n]} {y[n]} {z[n]} {seen}" for n in range(4, 17))
+    assert main(["import", str(path), str(chan(tmp_path, *lines)), "--camera"]) == 0
+    found = load_session(path).camera_path
+    assert found is not None
+    turn, was = found.Ts_camera_world[4:17, :3, :3], truth[4:17]
+    np.testing.assert_allclose(turn @ turn[0].T, was @ was[0].T, atol=1e-6)
+    said = capsys.readouterr()
+    assert "frames 24–36 are taken for 4–16 of the film, by the numbers of the film's" in said.err
+    assert "are usually 0." in said.out
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--unit", "auto"], "--unit auto is not for --camera: choose from m, cm, mm."),
+        (["--world", "camera"], "--world camera is not for --camera: choose from y-up, z-up."),
+        (["--layout", "COCO_17"], "--layout is for keypoints, not for --camera"),
+    ],
+)
+def test_what_a_camera_cannot_be_read_as_is_refused(
+    path: Path, capsys: pytest.CaptureFixture[str], options: list[str], words: str
+) -> None:
+    file = chan(path.parent, "1 0 0 0 0 0 0 30")
+    assert words in refused(capsys, path.parent, ["import", path, file, "--camera", *options])
+
+
+def test_a_motion_has_no_rotation_order(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["import", path, path, "--rotation-order", "xyz"]
+    assert "--rotation-order is for camera, not for motion" in refused(capsys, path.parent, command)
+
+
+def test_the_first_frame_of_a_camera_can_be_said(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = chan(path.parent, *(f"{1011 + k} 0 0 0 0 {k} 0 30" for k in range(4)))
+    command = ["import", str(path), str(file), "--camera", "--offset-frames", "-1009", "--json"]
+    assert main(command) == 0
+    found = load_session(path).camera_path
+    assert found is not None
+    turned = np.degrees(np.arccos(found.Ts_camera_world[:, 0, 0]))
+    np.testing.assert_allclose(turned[:7], [0, 0, 0, 1, 2, 3, 3], atol=1e-4)
+    assert "notes" in json.loads(capsys.readouterr().out)

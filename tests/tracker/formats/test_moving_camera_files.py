@@ -14,10 +14,11 @@ import pytest
 from keypose.app.export.import_camera import camera_motion_of, with_camera_file
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.camera_files import camera_json, chan
+from keypose.tracker.formats.cameras.placing import FilmFrames, placed
 from keypose.tracker.formats.npz import npz
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from keypose.tracker.formats.recording import Recording
-from keypose.tracker.formats.sampling import at_rate
+from keypose.tracker.formats.sampling import at_rate, from_zero
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import apply_transform, exp_rotation
 from keypose.tracker.storage.archive import archive_arrays
@@ -203,9 +204,45 @@ def test_handles_before_the_film_do_not_count(tmp_path: Path) -> None:
     np.testing.assert_allclose(cut.way.zoom, alone.way.zoom)
 
 
-def test_a_json_file_at_a_rate_of_its_own_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match="a rate of its own"):
-        read(tmp_path, "shot.json", camera_json(at_rate(moving(), 60.0)))
+EVEN = FilmFrames(np.arange(FRAMES) / 30)
+
+
+def even() -> Recording:
+    return replace(moving(), times_s=np.arange(FRAMES) / 30, rate=30.0).with_ground()
+
+
+@pytest.mark.parametrize("name", ["shot.json", "shot.glb"])
+@pytest.mark.parametrize(
+    ("sampled", "frames"),
+    [
+        (lambda made: made, (0, FRAMES - 1)),
+        (lambda made: made.between(20, 50), (20, 50)),
+        (lambda made: from_zero(made.between(20, 50)), (20, 50)),
+        (lambda made: at_rate(made, 24.0), (0, FRAMES - 2)),
+        (lambda made: from_zero(at_rate(made, 60.0).between(40, 90)), (20, 45)),
+    ],
+)
+def test_a_camera_that_keypose_wrote_comes_back_to_its_frames(
+    tmp_path: Path,
+    name: str,
+    sampled: Callable[[Recording], Recording],
+    frames: tuple[int, int],
+) -> None:
+    made = sampled(even())
+    content = camera_json(made).encode() if name == "shot.json" else written(made)
+    (tmp_path / name).write_bytes(content)
+    found = load_camera(tmp_path / name, (made.camera.width, made.camera.height))
+    assert found.way is not None
+    way, notes = placed(name, found.way, EVEN)
+    assert notes == ()
+    told = [frame for frame in way.frames.tolist() if frames[0] <= frame <= frames[1]]
+    assert told == list(range(frames[0], frames[1] + 1))
+    truth = even().T_world_camera @ path_of().Ts_world_camera
+    row = {frame: k for k, frame in enumerate(way.frames.tolist())}
+    for frame in told:
+        np.testing.assert_allclose(way.Ts_world_camera[row[frame]], truth[frame], atol=2e-4)
+        focal = found.camera.fy * way.zoom[row[frame]]  # type: ignore[union-attr]
+        assert focal == pytest.approx(path_of().zoom[frame] * made.camera.fy, rel=1e-3)
 
 
 @pytest.mark.parametrize("last", ["0 0 0 0 5 0 0.01", "1e300 0 0 0 0 0 30", "0 0 0 0 5 0 179.9999"])

@@ -1,4 +1,4 @@
-"""Cameras of other programs: read where they stand still, refused in one sentence otherwise."""
+"""Cameras of other programs: read, or refused in one sentence."""
 
 from __future__ import annotations
 
@@ -153,7 +153,21 @@ def moved_chan(column: int) -> str:
 REFUSED: dict[str, tuple[str, Any, str]] = {
     "a frame twice": ("shot.chan", "1 0 0 0 0 0 0 30\n1 0 0 1 0 0 0 30", "names frames twice"),
     "frames back": ("shot.chan", "2 0 0 0 0 0 0 30\n1 0 0 1 0 0 0 30", "not in their order"),
-    "a chan without lens": ("shot.chan", "1 0 0 0 0 0 0", "should have 8 numbers in every line"),
+    "a chan of six columns": ("shot.chan", "1 0 0 0 0 0", "should have 8 numbers in every line"),
+    "a line that is shorter": ("shot.chan", "1 0 0 0 0 0 0 30\n2 0 0 0 0 0 0", "8 numbers"),
+    "no number": ("shot.chan", "1 0 0 0 nan 0 0 30", "has lines that are not numbers"),
+    "5,000 digits": ("shot.chan", f"1 {'9' * 5000} 0 0 0 0 0 30", "a number that is too large"),
+    "a frame of 5,000 digits": ("shot.chan", f"{'9' * 5000} 0 0 0 0 0 0 30", "is too large"),
+    "a frame beyond all films": ("shot.chan", "1e300 0 0 0 0 0 0 30", "is too large"),
+    "a json number of 5,000 digits": (
+        "shot.json", camera_json(tilted()).replace("640", "9" * 5000), "shot.json: width: "
+    ),
+    "a list": ("shot.json", "[3]", "shot.json: it holds no camera that can be read"),
+    "a frame that is no object": (
+        "shot.json",
+        json.dumps({"frames": [{"transform_matrix": 3}, 4]}),
+        "shot.json: frames.0.file_path: field required",
+    ),
     "words": ("shot.chan", "a b c d e f g h", "has lines that are not numbers"),
     "no field of view": ("shot.chan", "1 0 0 0 0 0 0 0", "has numbers that no camera has"),
     "nothing": ("shot.chan", "", "should have 8 numbers"),
@@ -209,15 +223,28 @@ def test_what_is_no_standing_camera_is_reported_in_one_sentence(case: str, tmp_p
     assert "\n" not in str(refusal.value)
 
 
-def test_an_animated_camera_is_refused(tmp_path: Path) -> None:
-    moved = (
-        animated([[0, 0, 0], [1, 0, 0]]),
-        animated([[0, 0, 0], [0, 0, 0.002]], node=1),
-        animated([[0, 0, 0, 1], [0, 0, 0.001, 1]], "rotation"),
-    )
-    for content in moved:
-        with pytest.raises(FormatError, match=r"shot.glb moves, and names no frames"):
-            read(tmp_path, "shot.glb", content)
+def test_an_animated_camera_is_where_its_keys_are_at_their_seconds(tmp_path: Path) -> None:
+    s = math.sqrt(0.5)
+    for content, path, expected in (
+        (animated([[0, 0, 0], [1, 0, 0]]), (slice(3), 3), [1, 0, 0]),
+        (animated([[0, 0, 0], [0, 0, 0.002]], node=1), (slice(3), 3), [0, 0, 0.002]),
+        (animated([[0, 0, 0, 1], [0, 0, s, s]], "rotation"), (slice(3), 0), [0, 1, 0]),
+        (animated([[0, 0, 0], [4, 0, 0]], how="STEP"), (slice(3), 3), [4, 0, 0]),
+    ):
+        way = read(tmp_path, "shot.glb", content).way
+        assert way is not None
+        assert way.clock == "seconds"
+        assert way.begins is None
+        np.testing.assert_allclose(way.frames, [0, 1])
+        np.testing.assert_allclose(way.Ts_world_camera[1][path], expected, atol=1e-6)
+
+
+def test_keys_that_do_not_ascend_are_no_animation(tmp_path: Path) -> None:
+    content = animated([[0, 0, 0], [1, 0, 0]])
+    times = np.array([0, 1], "<f4").tobytes()
+    broken = content.replace(times, np.array([1, 0], "<f4").tobytes())
+    with pytest.raises(FormatError, match="is a damaged glTF"):
+        read(tmp_path, "shot.glb", broken)
 
 
 @pytest.mark.parametrize("name", ["camera.json", "shot.gltf"])
