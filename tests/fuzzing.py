@@ -19,10 +19,12 @@ import pytest
 
 from keypose import sample_videos
 from keypose.app.document.defaults import read_defaults
+from keypose.app.export.import_camera import camera_motion_of
 from keypose.tracker.body.body import load_body
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.formats.camera_files import camera_json, chan
+from keypose.tracker.formats.cameras.placing import FilmFrames, placed
 from keypose.tracker.formats.joint_names import load_names
 from keypose.tracker.formats.marker_files import c3d
 from keypose.tracker.formats.opensim.model import read_model
@@ -36,9 +38,11 @@ from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.networks import add_own
 from keypose.tracker.surface.cameras.rig import Rig
 from tests.tracker.formats import animals, recordings
+from tests.tracker.formats import test_reconstructed_cameras as reconstructed
 from tests.tracker.formats.opensim_model import osim
 from tests.tracker.formats.test_camera_files import WIDE, tilted
 from tests.tracker.formats.test_glb import written
+from tests.tracker.formats.test_moving_camera_files import moving
 from tests.tracker.formats.test_reading_camera import gltf
 from tests.tracker.formats.test_reading_motion import BVH, CSV, TRC
 from tests.tracker.formats.test_reading_recovered import PARAMS, plain_pt
@@ -69,7 +73,14 @@ class Kind:
 
 
 def _camera(path: Path) -> object:
-    return load_camera(path, (WIDE.width, WIDE.height))
+    """A camera, in frames of a film where it moves."""
+    found = load_camera(path, (WIDE.width, WIDE.height))
+    film = FilmFrames(np.arange(40) / 30)
+    return (
+        found
+        if found.way is None
+        else camera_motion_of(placed(path.name, found.way, film)[0], len(film), path.name)
+    )
 
 
 def _reference(path: Path) -> object:
@@ -155,6 +166,13 @@ def kinds(folder: Path) -> dict[str, Kind]:
         "chan": Kind("k.chan", chan(tilted()).encode(), _camera),
         "GLB": Kind("k.glb", written(tilted()), _camera),
         "glTF": Kind("k.gltf", _json(gltf()), _camera),
+        "moving camera": Kind("k.json", camera_json(moving()).encode(), _camera),
+        "moving chan": Kind("k.chan", chan(moving()).encode(), _camera),
+        "moving GLB": Kind("k.glb", written(moving()), _camera),
+        "transforms": Kind("t.json", reconstructed.transforms().encode(), _camera),
+        "splats": Kind("t.json", reconstructed.splats().encode(), _camera),
+        "COLMAP": Kind("images.txt", reconstructed.images().encode(), _camera),
+        "TUM": Kind("tum.txt", reconstructed.tum().encode(), _camera),
         "poses": Kind("r.npz", _npz(**poses, ps_camera_root=motion.ps_camera_root), _reference),
         "marks": Kind("r.json", _json({"frames": {"3": {"LShoulder": [5, 6.5]}}}), _reference),
         "OpenSim": Kind("m.osim", osim(), read_model),

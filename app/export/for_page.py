@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from keypose.app.export.motion_formats import FORMATS
-from keypose.app.export.recognising import ENDINGS, PICKLED
+from keypose.app.export.recognising import ENDINGS, NOT_OFFERED
 from keypose.app.orders.drawing import DRAWN
 from keypose.app.orders.imports import IMPORTS
 from keypose.app.orders.motion import MotionOrder
@@ -64,7 +64,7 @@ def module_text() -> str:
     imports = {kind: _options(order) for kind, order in IMPORTS.items()}
     formats = {name: _format(name) for name in FORMATS}
     names = " | ".join(f"'{name}'" for name in FORMATS)
-    endings = [ending for ending in ENDINGS if ending not in PICKLED]
+    endings = [ending for ending in ENDINGS if ending not in NOT_OFFERED]
     return "\n".join(
         (
             _HEAD,

@@ -52,7 +52,9 @@ _KINDS: Final[Sequence[tuple[Kind, frozenset[str]]]] = (
 ENDINGS: Final = tuple(dict.fromkeys((*MOTION_READERS, *KEYPOINT_READERS, *CAMERA_READERS)))
 """Of the names of files that can be imported."""
 PICKLED: Final = (".pkl", ".pickle")
-"""Endings of what is refused with the remedy, and not offered."""
+"""Endings of what is refused with the remedy."""
+NOT_OFFERED: Final = (*PICKLED, ".txt")
+"""Endings that a page does not offer: most text is no camera, and COLMAP's lenses lie beside it."""
 
 
 @dataclass(frozen=True)

@@ -117,4 +117,4 @@ export const FORMATS = {
 };
 
 /** Endings of what can be imported. @type {string[]} */
-export const ENDINGS = [".bvh", ".trc", ".c3d", ".csv", ".npz", ".pt", ".pth", ".h5", ".hdf5", ".slp", ".json", ".chan", ".glb", ".gltf", ".txt"];
+export const ENDINGS = [".bvh", ".trc", ".c3d", ".csv", ".npz", ".pt", ".pth", ".h5", ".hdf5", ".slp", ".json", ".chan", ".glb", ".gltf"];

@@ -22,6 +22,13 @@ test('a start frame may be negative, and names mean places of the body', () => {
   assert.deepEqual(order.places, ['Hips=pelvis', 'Tail_1=tail.end']);
 });
 
+test('how the columns of a camera are meant is asked of .chan alone', () => {
+  const said = { offset_frames: '-1001', unit: 'cm', rotation_order: 'xyz', lens_column: 'mm' };
+  const camera = (columns) => importOrder({ kind: 'camera', program: '', facts: { columns } }, said);
+  assert.deepEqual(camera(true), { kind: 'camera', ...said });
+  assert.deepEqual(camera(false), { kind: 'camera', offset_frames: '-1001', unit: 'cm' });
+});
+
 test('a name that is not known can be a joint, a free end or a landmark', () => {
   const parts = /** @type {any[]} */ ([
     { name: 'trunk', label: 'Trunk', parent: null, landmarks: [] },

@@ -163,6 +163,22 @@ def test_a_camera_is_shown_before_it_is_taken_over(desk: Desk) -> None:
     desk.undo()
 
 
+def test_a_camera_beside_the_film_is_placed_by_its_start_frame_and_what_is_odd_is_told(
+    desk: Desk,
+) -> None:
+    lines = (f"{1001 + k} 0 1.5 0 -10 {k} 0 30" for k in range(20))
+    id, state = desk.recognised("plate.chan", "\n".join(lines).encode())
+    facts = state["found"]["facts"]
+    assert facts["columns"] is True
+    assert "say which frame of the film" in facts["notes"][0]
+    assert desk.imported(id, "camera")["state"] == "failed"
+    done = desk.imported(id, "camera", offset_frames="-1001", rotation_order="zxy")
+    assert done["words"].startswith("Camera of plate.chan imported:")
+    assert "The background of the film stands still" in done["detail"]
+    assert done["doubtful"] is True
+    desk.undo()
+
+
 def test_of_several_animals_one_is_chosen(desk: Desk) -> None:
     id, state = desk.recognised("mice.csv", sleap("anna", "bert"))
     assert state["found"]["facts"]["individuals"] == ["anna", "bert"], state

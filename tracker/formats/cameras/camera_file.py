@@ -29,7 +29,7 @@ STILL_M, STILL_RAD = 1e-3, math.radians(0.01)
 ALIKE: Final = 0.01
 """By what share the sides of pictures may differ that are taken for the same."""
 MOST_NUMBER: Final = 1e9
-"""Frames, seconds and metres of a camera are no larger."""
+"""Frames and seconds of a camera are no larger, and its zoom neither larger nor a smaller part."""
 LONGEST_WHOLE: Final = 4000
 """Digits of a whole number; Python reads none that are much longer."""
 
@@ -153,14 +153,19 @@ def camera_file(
     Rs = T[:, :3, :3]
     if not np.isfinite(T).all() or not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-3):
         raise FormatError(f"{file}: T_world_camera is no rotation.")
-    Ts = transform(R_up @ nearest_rotation(Rs), T[:, :3, 3] @ R_up.T * scale)
+    if not ((way.zoom > 1 / MOST_NUMBER) & (way.zoom < MOST_NUMBER)).all():
+        raise FormatError(f"{file} has numbers that no camera has.")
+    way = replace(way, Ts_world_camera=transform(Rs, T[:, :3, 3] * scale))
+    stays = is_still(way.Ts_world_camera) and np.ptp(np.log(way.zoom)) <= STILL_RAD
+    way = way.rows(slice(1)) if stays else way
+    T = way.Ts_world_camera
+    Ts = transform(R_up @ nearest_rotation(T[:, :3, :3]), T[:, :3, 3] @ R_up.T)
     way = replace(way, Ts_world_camera=Ts, is_metric=way.is_metric or reading.unit is not None)
     up = np.asarray(Ts[0, 1, :3]) if knows_up or reading.world is not None else None
     floor_m = None if floor_y is None else floor_y * scale - float(Ts[0, 1, 3])
     if knows_up and reading.world is None:
         notes = (*notes, *_upright(Rs[0]))
-    stays = is_still(Ts) and np.ptp(np.log(way.zoom)) <= STILL_RAD
-    return CameraFile(camera, up, floor_m, None if stays else way, None, notes)
+    return CameraFile(camera, up, floor_m, None if stays else way, notes=notes)
 
 
 def _upright(R_world_camera: Array) -> tuple[Note, ...]:
@@ -172,13 +177,11 @@ def _upright(R_world_camera: Array) -> tuple[Note, ...]:
 
 
 def ascending(file: str, way: CameraWay) -> CameraWay:
-    """The way; FormatError where its moments do not ascend, or its zooms are none."""
-    if not (np.abs(way.frames) < MOST_NUMBER).all():
+    """The way; FormatError where its moments do not ascend."""
+    if not (np.abs(way.frames) < MOST_NUMBER).all() or not abs(way.begins or 0.0) < MOST_NUMBER:
         raise FormatError(f"{file} has a frame or time that is too large.")
     if not (np.diff(way.frames) > 0).all():
         raise FormatError(f"{file} names frames twice, or not in their order.")
-    if not (np.isfinite(way.zoom) & (way.zoom > 0)).all():
-        raise FormatError(f"{file} has numbers that no camera has.")
     return way
 
 

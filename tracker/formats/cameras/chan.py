@@ -30,8 +30,10 @@ FILM_MM: Final = 36.0
 
 def read_chan(file: str, content: bytes, size: Size, reading: CameraReading) -> CameraFile:
     """The camera of a .chan file; lines that begin with # are left out."""
-    lines = [line.split() for line in content.decode("utf-8-sig").splitlines()]
-    lines = [line for line in lines if line and not line[0].startswith("#")]
+    text = content.decode("utf-8-sig")
+    lines = [words for line in text.splitlines() if (words := line.split())]
+    if "#" in text:
+        lines = [words for words in lines if not words[0].startswith("#")]
     width = len(lines[0]) if lines else 0
     if width not in (WITHOUT_LENS, COLUMNS) or any(len(line) != width for line in lines):
         raise FormatError(
@@ -42,7 +44,7 @@ def read_chan(file: str, content: bytes, size: Size, reading: CameraReading) -> 
         columns = np.array(lines, dtype=np.float64)
     except ValueError:
         raise FormatError(f"{file} has lines that are not numbers.") from None
-    if np.isnan(columns).any():
+    if not np.isfinite(columns).all() and np.isnan(columns).any():
         raise FormatError(f"{file} has lines that are not numbers.")
     if not np.isfinite(columns).all() or not (np.abs(columns[:, 0]) < MOST_NUMBER).all():
         raise FormatError(f"{file} has a number that is too large for a camera.")
@@ -74,6 +76,8 @@ def _lens(
             f"{file} has numbers that no camera has: the last column should be the vertical "
             "field of view, from 0 to 180 degrees."
         )
+    if np.ptp(last) == 0:
+        last = last[:1]  # as long in every line
     if column == "mm":
         focal = last / FILM_MM * size[0]
     else:
@@ -81,21 +85,20 @@ def _lens(
         focal = side / 2 / np.tan(np.radians(last) / 2)
     if not np.isfinite(focal).all():
         raise FormatError(f"{file} has numbers that no camera has.")
-    return of_focal(file, size, float(focal[0])), focal / focal[0]
+    zoom = np.broadcast_to(focal / focal[0], len(columns))
+    return of_focal(file, size, float(focal[0])), zoom
 
 
 def rotations(order: str, angles: Array) -> Array:
     """(K, 3, 3) of angles (K, 3) about x, y, z, radians, one after another as the order says."""
-    R = np.tile(np.eye(3), (len(angles), 1, 1))
-    for letter in order:
-        axis = "xyz".index(letter)
-        R = _about(axis, angles[:, axis]) @ R
-    return R
+    first, second, third = (_about(axis, angles[:, axis]) for axis in map("xyz".index, order))
+    return np.asarray(third @ second @ first)
 
 
 def _about(axis: int, angles: Array) -> Array:
     R = np.tile(np.eye(3), (len(angles), 1, 1))
     i, k = (axis + 1) % 3, (axis + 2) % 3
-    R[:, i, i] = R[:, k, k] = np.cos(angles)
-    R[:, k, i], R[:, i, k] = np.sin(angles), -np.sin(angles)
+    cosines, sines = np.cos(angles), np.sin(angles)
+    R[:, i, i] = R[:, k, k] = cosines
+    R[:, k, i], R[:, i, k] = sines, -sines
     return R

@@ -196,9 +196,11 @@ def _floats(document: dict[str, Any], block: bytes, number: int, width: int) -> 
 
 
 def _moments(curves: list[_Curve]) -> Array:
-    """The seconds at which any curve has a key."""
+    """The seconds at which any curve has a key; the first one where none changes."""
     if not curves:
         return np.zeros(1)
+    if all(np.array_equal(curve.values[1:], curve.values[:-1]) for curve in curves):
+        return np.asarray(curves[0].times_s[:1])
     keys = np.unique(np.concatenate([curve.times_s for curve in curves]))
     if len(keys) > MOST_MOMENTS:
         raise ValueError("too many keys")

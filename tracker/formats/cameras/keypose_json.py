@@ -75,7 +75,7 @@ def _way(file: str, fields: _CameraFields, camera: Camera) -> CameraWay:
     frames = np.array([each.frame for each in fields.frames], dtype=np.int64)
     Ts = np.array([each.T_world_camera for each in fields.frames])
     zoom = np.array([each.fy for each in fields.frames]) / camera.fy
-    way = _timed(file, fields, ascending(file, CameraWay(frames, Ts, zoom, "film")))
+    way = ascending(file, _timed(file, fields, CameraWay(frames, Ts, zoom, "film")))
     if way.clock == "seconds" or way.frames[0] <= 0:
         return way
     return replace(
