@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from keypose.app.editor.documents import require_sound, seen_as_before
-from keypose.app.export.camera_check import compared
 from keypose.app.orders.imports import ImportCamera
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.trajectory import runs
@@ -85,24 +84,26 @@ def brought(
         raise FormatError(f"{file} has times, and the film that they are of cannot be opened.")
     film = film_frames(session, None if video is None else video.info)
     way, notes = placed(file, found.way, film, order.offset_frames)
-    here = replace(found, way=way, notes=(*found.notes, *notes, *_speed(way, film, order)))
+    is_metric = way.is_metric and found.floor_m is None  # which Keypose alone writes, in metres
+    speed = _speed(way, film) if is_metric and order.unit is None else ()
+    here = replace(found, way=way, notes=(*found.notes, *notes, *speed))
     if video is None:
         return replace(here, notes=(*here.notes, Note("film not compared")))
     if session.evidence.has_surface:
         return here
+    from keypose.app.export.camera_check import compared  # loads what only this needs
+
     said = compared(session, file, here, found, reading_of(order), film, video)
     notes = here.notes if said.note is None else (*here.notes, said.note)
     return replace(here, notes=notes, background_px=said.off_px)
 
 
-def _speed(way: CameraWay, film: FilmFrames, order: ImportCamera) -> tuple[Note, ...]:
-    """A note where a camera goes faster than one is carried, if its unit is the metre."""
+def _speed(way: CameraWay, film: FilmFrames) -> tuple[Note, ...]:
+    """A note where a camera goes faster than one is carried, were its unit the metre."""
     frames = np.clip(way.frames[[0, -1]], 0, len(film) - 1)
     seconds = film.second(float(frames[1])) - film.second(float(frames[0]))
     metres = float(np.linalg.norm(np.diff(way.Ts_world_camera[:, :3, 3], axis=0), axis=1).sum())
-    if order.unit is not None or not way.is_metric or metres <= FASTEST_M_S * seconds:
-        return ()
-    return (Note("camera speed", (metres, seconds)),)
+    return (Note("camera speed", (metres, seconds)),) if metres > FASTEST_M_S * seconds else ()
 
 
 def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:

@@ -33,7 +33,7 @@ LEAST_TRACKED: Final = 2
 _OFFSET: Final = Whole("N", -1_000_000, 1_000_000)
 _OFFSET_WORDS: Final = (
     "video frame at the file's time or frame 0; may be negative, as -1 is for pictures counted "
-    "from 1"
+    "from 1; default: 0, for a camera as its frames or the video's image files are numbered"
 )
 _OFFSET_NOTE: Final = "of the video, at the file’s frame 0; −1 for pictures counted from 1"
 _UNIT_WORDS: Final = (
@@ -45,6 +45,7 @@ _WORLD_WORDS: Final = (
     "with y or z up; of a camera y-up, the default, or z-up"
 )
 _UNITS: Final = {"m": "Metres", "cm": "Centimetres", "mm": "Millimetres"}
+_ROTATION_ORDERS: Final = ("zxy", "zyx", "xyz", "xzy", "yxz", "yzx")
 _UP: Final = {"y-up": "Y up", "z-up": "Z up"}
 
 
@@ -185,8 +186,7 @@ class ImportCamera:
     )
     rotation_order: RotationOrder | None = option(
         Choice(
-            names=("zxy", "zyx", "xyz", "xzy", "yxz", "yzx"),
-            labels={name: name.upper() for name in ("zxy", "zyx", "xyz", "xzy", "yxz", "yzx")},
+            names=_ROTATION_ORDERS, labels={name: name.upper() for name in _ROTATION_ORDERS}
         ),
         "axes about which a .chan file turns the camera, the first one first; default: zxy",
         label="Rotation order", empty="ZXY",

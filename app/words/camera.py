@@ -77,4 +77,10 @@ def imported_words(made: Session, background_px: float | None) -> list[str]:
     words = finding_sentences((*motion.findings, *motion.unscaled))
     if background_px is None:
         return [*words, "The film's background does not show whether the camera is right."]
-    return [*words, f"Points of the film's background are usually {background_px:.2g} px off."]
+    off = in_pixels(background_px)
+    return [*words, f"Points of the film's background are usually {off} off."]
+
+
+def in_pixels(length: float) -> str:
+    """A length in the picture: "0.15 px", "33 px"."""
+    return f"{length:.0f} px" if length >= 10 else f"{length:.2g} px"

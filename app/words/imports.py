@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final
 
+from keypose.app.words.camera import in_pixels
 from keypose.tracker.errors import listed, readable
 from keypose.tracker.formats.text import Note, Oddity
 
@@ -114,24 +115,21 @@ def _speed(metres: float, seconds: float) -> str:
 
 
 def _background_off(off: float, error: float | None = None, kind: str = "", value: str = "") -> str:
-    words = f"Points of the film's background are {_px(off)} off where this camera shows them"
+    off_px = in_pixels(off)
+    words = f"Points of the film's background are {off_px} off where this camera shows them"
     if error is None:
         return (
             f"{words}: the file may have another rotation order, other frame numbers or another "
             "lens, or be of another shot."
         )
-    shown = _LENSES.get(value, value.upper())
-    return f"{words}. With {_READINGS[kind].format(shown, value)} they agree within {_px(error)}."
-
-
-def _px(error: float) -> str:
-    return f"{error:.0f} px" if error >= 10 else f"{error:.2g} px"
+    reading = _READINGS[kind].format(_LENSES.get(value, value.upper()), value)
+    return f"{words}. With {reading} they agree within {in_pixels(error)}."
 
 
 def _background_still(off: float) -> str:
     return (
-        f"The background of the film stands still, and with this camera it would go by {_px(off)}: "
-        "the file may be of another shot."
+        "The background of the film stands still, and with this camera it would go by "
+        f"{in_pixels(off)}: the file may be of another shot."
     )
 
 
@@ -166,6 +164,9 @@ _WORDS: Final[dict[Oddity, Callable[..., str]]] = {
     ),
     "camera lens kept": lambda: "The file says nothing of the lens, which stays as it was.",
     "camera upright": _upright,
+    "camera hanging": lambda by_y: (
+        f"The camera leans by {by_y:.0f}° from upright: check which way is up in the file."
+    ),
     "camera speed": _speed,
     "several animations": lambda: "Several animations move the camera: the first one was read.",
     "background off": _background_off,

@@ -25,6 +25,7 @@ Oddity: TypeAlias = Literal[
     "camera from first",
     "camera lens kept",
     "camera upright",
+    "camera hanging",
     "camera speed",
     "several animations",
     "background off",

@@ -92,8 +92,7 @@ def add_import(commands: Subcommands) -> None:
     what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
     command.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
-    add_orders(command, IMPORTS)
-    command.add_argument_group("camera").add_argument(
+    command.add_argument(
         "--camera",
         action="store_true",
         help="the file holds a camera, which may move: .json or .chan as export writes them, .glb "
@@ -101,6 +100,7 @@ def add_import(commands: Subcommands) -> None:
         "a path of TUM; sets the lens, what is up, how the camera moves and, where the file has "
         "it, the floor; compared with the background of the film",
     )
+    add_orders(command, IMPORTS)
     add_json(command)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from keypose.app.words.imports import note_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.cameras.camera_file import CameraReading, CameraWay
 from keypose.tracker.formats.cameras.placing import FilmFrames, placed
@@ -108,6 +109,23 @@ def test_a_camera_that_would_be_upright_with_z_up_is_told(
     assert [note.oddity for note in found.notes] == notes
     said = read(tmp_path, chan(last=VERTICAL, z_up=z_up), world="z up" if z_up else "y up")
     assert said.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("turned", "words"),
+    [
+        ("70 0 0", "by 70° from upright with y up, as the file is read, and by 20° with z up"),
+        ("170 0 5", "leans by 169° from upright: check which way is up"),
+        ("-90 0 0", ""),  # straight down
+        ("40 30 10", ""),
+    ],
+)
+def test_a_camera_that_hardly_anybody_holds_so_is_told(
+    tmp_path: Path, turned: str, words: str
+) -> None:
+    told = note_words(read(tmp_path, f"1 0 0 0 {turned} 30").notes)
+    assert bool(told) is bool(words)
+    assert words in " ".join(told)
 
 
 def test_how_chan_is_meant_is_of_chan_alone(tmp_path: Path) -> None:

@@ -29,12 +29,12 @@ STILL_M, STILL_RAD = 1e-3, math.radians(0.01)
 ALIKE: Final = 0.01
 """By what share the sides of pictures may differ that are taken for the same."""
 MOST_NUMBER: Final = 1e9
-"""Frames and seconds of a camera are no larger, and its zoom neither larger nor a smaller part."""
+"""Frames, seconds and zooms of a camera are smaller, and these no smaller a part of 1."""
 LONGEST_WHOLE: Final = 4000
 """Digits of a whole number; Python reads none that are much longer."""
 
-UPRIGHT_DEG, LYING_DEG = 45.0, 60.0
-"""By which a camera is tilted that may be held so, and one that is hardly."""
+UPRIGHT_DEG, LYING_DEG, HANGING_DEG = 45.0, 60.0, 120.0
+"""By which a camera leans that may be held so, one that is hardly, and one that is not."""
 
 Size: TypeAlias = tuple[int, int]
 RotationOrder: TypeAlias = Literal["zxy", "zyx", "xyz", "xzy", "yxz", "yzx"]
@@ -169,11 +169,11 @@ def camera_file(
 
 
 def _upright(R_world_camera: Array) -> tuple[Note, ...]:
-    """A note where a camera is upright if z is up, and not if y is."""
+    """A note where a camera is upright if z is up and not if y is, or hangs head down."""
     by_y, by_z = np.degrees(np.arccos(np.clip(-R_world_camera[1:, 1], -1.0, 1.0)))
-    if by_y < LYING_DEG or by_z > UPRIGHT_DEG:
-        return ()
-    return (Note("camera upright", (float(by_y), float(by_z))),)
+    if by_z < UPRIGHT_DEG and by_y > LYING_DEG:
+        return (Note("camera upright", (float(by_y), float(by_z))),)
+    return (Note("camera hanging", (float(by_y),)),) if by_y > HANGING_DEG else ()
 
 
 def ascending(file: str, way: CameraWay) -> CameraWay:

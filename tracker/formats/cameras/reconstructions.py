@@ -195,7 +195,7 @@ def _read_tum(file: str, lines: Sequence[Sequence[str]], reading: CameraReading)
     x, y, z, w = numbers[:, 4:].T
     Ts = _posed(file, np.stack([w, x, y, z], axis=1), numbers[:, 1:4])
     times_s = numbers[:, 0] - numbers[0, 0]
-    way = ascending(file, CameraWay(times_s, Ts, np.ones(len(Ts)), "seconds"))
+    way = ascending(file, CameraWay(times_s, Ts, np.ones(len(Ts)), "seconds", 0.0))
     notes = (Note("camera lens kept"), Note("camera from first"))
     return camera_file(file, None, way, reading, knows_up=False, notes=notes)
 
