@@ -43,8 +43,9 @@ AS_GOOD: Final = 1.2
 """Of the least error: the first reading that is as good counts."""
 STILL_PX: Final = 0.5
 RATES: Final = (24.0, 25.0, 30.0, 50.0, 60.0, 24000 / 1001, 30000 / 1001, 60000 / 1001)
-FARTHEST: Final = 240
-"""Frames by which a file is tried earlier and later."""
+NEAREST, FARTHEST = 2, 240
+"""Frames by which a file is tried earlier and later, where it is little off, and where it is much:
+of many frames some make up for a lens that is a hundredth too long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +102,8 @@ def compared(
         return Comparison(off, Note("background still", (off,)))
     best: tuple[float, str, str] | None = None
     least = min(BETTER * off, OFF_SHARE * camera.width)
-    for kind, value, said in _others(session, file, found, original, reading, film):
+    farthest = FARTHEST if off > OFF_SHARE * camera.width else NEAREST
+    for kind, value, said in _others(session, file, found, original, reading, film, farthest):
         other = said.off_px(pairs)
         if other is not None and other < least and (best is None or other * AS_GOOD < best[0]):
             best = other, kind, value
@@ -141,6 +143,7 @@ def _others(
     original: CameraFile,
     reading: CameraReading,
     film: FilmFrames,
+    farthest: int,
 ) -> Iterable[tuple[str, str, _Said]]:
     """How else the file could be meant: what of it, as what, and the camera then."""
     assert found.way is not None
@@ -149,13 +152,19 @@ def _others(
     if original.columns is not None:
         yield from _of_columns(session, file, found, original.columns, reading)
     own = original.way.frames
-    if original.way.clock == "numbers" and len(own) == len(found.way.frames):
+    if (
+        farthest == FARTHEST
+        and original.way.clock == "numbers"
+        and len(own) == len(found.way.frames)
+    ):
         start, began = own[0], float(found.way.frames[0])
         for rate in RATES:
             if abs(rate / film.rate - 1) > 1e-3:
                 frames = film.at((own - start) / rate + film.second(began))
                 yield "rate", f"{rate:.5g}", _Said(camera, replace(found.way, frames=frames))
-    for shift in sorted(_shifts(original.way, found.way, len(film)), key=abs):
+    near = {*range(-farthest, farthest + 1)} - {0}
+    ends = _ends(original.way, found.way, len(film)) if farthest == FARTHEST else set()
+    for shift in sorted(near | ends, key=abs):
         moved = replace(found.way, frames=found.way.frames + shift)
         offset = found.way.frames[0] - _origin(original.way, film) + shift
         yield "offset", f"{round(float(offset))}", _Said(camera, moved)
@@ -188,9 +197,8 @@ def _origin(way: CameraWay, film: FilmFrames) -> float:
     return float(way.frames[0]) if way.clock != "seconds" else float(way.frames[0]) * film.rate
 
 
-def _shifts(original: CameraWay, way: CameraWay, count: int) -> set[int]:
-    """By how many frames a file may lie elsewhere in the film."""
+def _ends(original: CameraWay, way: CameraWay, count: int) -> set[int]:
+    """By how many frames a file lies elsewhere that begins or ends with the film, or counts its
+    frames from 0."""
     first, last = int(way.frames[0]), int(way.frames[-1])
-    near = set(range(-FARTHEST, FARTHEST + 1)) - {0}
-    ends = {-first, count - 1 - last, -int(original.frames[0]) - first} - {0}
-    return near | ends
+    return {-first, count - 1 - last, int(original.frames[0]) - first} - {0}
