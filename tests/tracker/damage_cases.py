@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -72,9 +72,48 @@ def _soft(noise: NDArray[np.int64], sigma: float) -> Picture:
     return np.asarray(255 * (soft - soft.min()) / np.ptp(soft), dtype=np.uint8)
 
 
-def write_film(folder: Path, kind: FilmKind, width: int = WIDTH, height: int = HEIGHT) -> Path:
-    """A film of that kind."""
-    pictures = moving_pictures(width, height)
+def _black_bars(pictures: list[Picture], across: bool) -> list[Picture]:
+    """Bars of a sixth at both ends: above and below, or at both sides."""
+    width, height = pictures[0].shape[1] // 6, pictures[0].shape[0] // 6
+    shown = np.zeros_like(pictures[0])
+    inner = np.s_[height:-height] if across else np.s_[:, width:-width]
+    shown[inner] = 1
+    return [picture * shown for picture in pictures]
+
+
+def _begun_with(pictures: list[Picture], first: Picture, count: int) -> list[Picture]:
+    return [first] * count + pictures[count:]
+
+
+def _title(like: Picture) -> Picture:
+    card = np.zeros_like(like)
+    cv2.putText(card, "A WALK", (80, 100), cv2.FONT_HERSHEY_SIMPLEX, 1.0, (255, 255, 255), 2)
+    return card
+
+
+FLAT: dict[str, Callable[[list[Picture]], list[Picture]]] = {
+    "black at first": lambda p: _begun_with(p, np.zeros_like(p[0]), 5),
+    "a title card": lambda p: _begun_with(p, _title(p[0]), 12),
+    "a fade-in": lambda p: [(one * min(1, k / 15)).astype(np.uint8) for k, one in enumerate(p)],
+    "a white flash": lambda p: [*p[:12], *[np.full_like(p[0], 255)] * 2, *p[14:]],
+    "flat grey": lambda p: [*p[:8], *[np.full_like(p[0], 128)] * 12, *p[20:]],
+    "nothing but red": lambda p: [np.zeros_like(p[0]) + np.uint8([200, 30, 30])] * len(p),
+    "bars above and below": lambda p: _black_bars(p, across=True),
+    "bars at the sides": lambda p: _black_bars(p, across=False),
+    "night": lambda p: [one // 16 for one in p],
+}
+"""What films show of which some pictures, or parts of them, show nothing."""
+
+
+def write_film(
+    folder: Path,
+    kind: FilmKind,
+    width: int = WIDTH,
+    height: int = HEIGHT,
+    shown: Callable[[list[Picture]], list[Picture]] = lambda pictures: pictures,
+) -> Path:
+    """A film of that kind; shown: what it shows of the usual pictures."""
+    pictures = shown(moving_pictures(width, height))
     options = {"threads": "1", **kind.options}  # the same film on every computer
     path = folder / kind.name
     return write_clip(path, pictures, codec=kind.codec, pixels=kind.pixels, options=options)

@@ -4,7 +4,8 @@ A decoder that misreads a packet often reports nothing: it makes garbage of the 
 ends at a wrong place, which can be tested. One packet is decoded by itself, its missing
 references being grey. Bytes added behind its end must change nothing, else the decoder has read
 beyond it; and other bytes in the place of the last ones must change something, else it has not
-reached them.
+reached them. What changes is the picture or, where that is flat and patched up without a trace,
+what the decoder says of it.
 """
 
 from __future__ import annotations
@@ -43,6 +44,13 @@ class Unit(NamedTuple):
     start: int
     end: int
     length_bytes: int = 0
+
+
+class _Picture(NamedTuple):
+    """What a packet is decoded to: its planes, and whether the decoder patched them up."""
+
+    planes: tuple[bytes, ...]
+    is_patched: bool
 
 
 @dataclass(frozen=True)
@@ -105,7 +113,8 @@ class Coding:
 
 def is_misread(packet: bytes, coding: Coding) -> bool:
     """Return whether the decoder misreads this packet; False where that cannot be tested."""
-    slices = [unit for unit in _slices(packet, coding) if unit.end - unit.start > _HEAD + _TAIL]
+    units = list(_slices(packet, coding))
+    slices = [unit for unit in units if unit.end - unit.start > _HEAD + _TAIL]
     if not slices:
         return False
     picture = _decoded(packet, coding)
@@ -113,7 +122,8 @@ def is_misread(packet: bytes, coding: Coding) -> bool:
         return False
     chance = random.Random(len(packet))
     longer = packet
-    for unit in reversed(slices):
+    for unit in reversed(units[-1:] if coding.codec == "h264" else slices):
+        # bits left in another slice of H.264's variable-length codes are its next blocks
         longer = _with_ending(longer, unit, b"", _noise(chance, _ADDED))
     if _decoded(longer, coding) != picture:
         return True
@@ -124,7 +134,7 @@ def _is_reached(
     packet: bytes,
     unit: Unit,
     coding: Coding,
-    picture: tuple[bytes, ...],
+    picture: _Picture,
     chance: random.Random,
 ) -> bool:
     """Return whether the last bytes of a slice affect the decoded picture."""
@@ -150,8 +160,8 @@ def _noise(chance: random.Random, count: int) -> bytes:
     return bytes(chance.randrange(4, 256) for _ in range(count))
 
 
-def _decoded(packet: bytes, coding: Coding) -> tuple[bytes, ...] | None:
-    """The planes of the packet's picture, or None where there is none."""
+def _decoded(packet: bytes, coding: Coding) -> _Picture | None:
+    """The packet's picture, or None where there is none."""
     decoder = cast(VideoCodecContext, CodecContext.create(coding.codec, "r"))
     decoder.extradata = coding.extradata
     decoder.thread_count, decoder.thread_type = 1, "NONE"
@@ -160,7 +170,10 @@ def _decoded(packet: bytes, coding: Coding) -> tuple[bytes, ...] | None:
         frames = [*decoder.decode(av.Packet(packet)), *decoder.decode(None)]
     except PYAV_ERRORS:
         return None
-    return tuple(bytes(plane) for frame in frames for plane in frame.planes) or None
+    if not frames:
+        return None
+    planes = tuple(bytes(plane) for frame in frames for plane in frame.planes)
+    return _Picture(planes, any(frame.is_corrupt for frame in frames))
 
 
 def _slices(packet: bytes, coding: Coding) -> Iterator[Unit]:

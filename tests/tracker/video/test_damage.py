@@ -19,6 +19,7 @@ from keypose.tracker.video.vp9 import inner_tiles
 from tests.tracker.damage_cases import (
     COUNT,
     FILMS,
+    FLAT,
     HEIGHT,
     WIDTH,
     FilmKind,
@@ -63,6 +64,15 @@ ODD = (
     FilmKind("strips.ts", options={"x264-params": "slices=4:keyint=6"}),
 )
 
+EXAMINED_TO_THE_END = (
+    FilmKind("strips.mp4", options={"x264-params": "slices=2:keyint=6"}),
+    FilmKind("strips.ts", options={"x264-params": "slices=4:cabac=0:keyint=6"}),
+    FilmKind("keys.mp4", options={"g": "1", "preset": "slow", "crf": "10"}),
+    FilmKind("strips.mkv", "libx265", {"x265-params": "slices=3:keyint=6:log-level=none"}),
+    FilmKind("keys.webm", "libvpx-vp9", {"g": "1", "cpu-used": "8", "tile-columns": "2"}),
+)
+"""Films whose packets, or keys, are examined to their end."""
+
 
 @pytest.mark.parametrize("kind", [*FILMS, *ODD], ids=lambda kind: kind.name)
 def test_no_frame_of_an_undamaged_film_is_damaged(tmp_path: Path, kind: FilmKind) -> None:
@@ -73,6 +83,15 @@ def test_no_frame_of_an_undamaged_film_is_damaged(tmp_path: Path, kind: FilmKind
         last = video.info.frame_count - 1
         assert list(video.examine(last // 2, last))[-1] == last
         assert (video.info.damaged, video.info.missing) == ((), ())
+
+
+@pytest.mark.parametrize("kind", EXAMINED_TO_THE_END, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("content", FLAT)
+def test_no_frame_is_damaged_because_it_shows_nothing(
+    tmp_path: Path, content: str, kind: FilmKind
+) -> None:
+    with Video.open(write_film(tmp_path, kind, 480, 144, FLAT[content])) as video:
+        assert examined(video) == set()
 
 
 @pytest.mark.parametrize("film", SAMPLES, ids=lambda path: path.stem)
@@ -115,6 +134,16 @@ def test_nearly_all_frames_that_are_seen_to_be_wrong_are_known(
     wrong, known = (sum(getattr(t, name) for t in tallies.values()) for name in ("wrong", "known"))
     assert wrong > 500
     assert known >= share * wrong, tallies
+
+
+def test_wrong_frames_are_known_in_a_film_between_black_bars(tmp_path: Path) -> None:
+    """The ends of its packets show nothing."""
+    shown = FLAT["bars above and below"]
+    kinds = [*EXAMINED_TO_THE_END[:2], *(k for k in FILMS if k.name in ("cabac.mp4", "hevc.mp4"))]
+    tallies = {k.name: _tally(write_film(tmp_path, k, shown=shown)) for k in kinds}
+    wrong, known = (sum(getattr(t, name) for t in tallies.values()) for name in ("wrong", "known"))
+    assert wrong > 200
+    assert known >= 0.98 * wrong, tallies
 
 
 def _tally(film: Path) -> Tally:
