@@ -149,7 +149,7 @@ def _findings(
     shutter: Shutter,
 ) -> list[Finding]:
     causes = [
-        "" if k else cause or "not_rigid" for cause, k in zip(measured.causes, known, strict=True)
+        "" if k else cause or "no_texture" for cause, k in zip(measured.causes, known, strict=True)
     ]
     found = gaps(causes)
     found += [Finding("cut", frame, frame, 1.0) for frame in cuts]

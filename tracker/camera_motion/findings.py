@@ -19,11 +19,12 @@ Kind: TypeAlias = Literal[
 class Finding:
     """Something doubtful over frames, both included.
 
-    no_texture: too few points to follow; amount: the share of frames.  body_fills: what is not
-    background leaves too little of the picture.  cut: the picture changes wholly, and the path
-    before does not hang together with that from `first_frame`; amount 1.  not_rigid: the points
-    do not move as one, such as water, a crowd or a person nearer than the background; amount: the
-    share of frames, or over the whole film that of points.  no_picture: the frames cannot be read.
+    no_texture: too few points to follow, as where the film fades; amount: the share of frames.
+    body_fills: what is not background leaves too little of the picture.  cut: the picture changes
+    wholly, and the path before does not hang together with that from `first_frame`; amount 1.
+    not_rigid: the points do not move as one, such as water, a crowd or a person nearer than the
+    background; amount: the share of frames, or over the whole film that of points.
+    no_picture: the frames cannot be read.
     rolling_shutter: rows are exposed one after another; amount: the share of the time between
     frames that it takes from the first row to the last, 0 where that is not taken out.
     no_parallax: nothing shows that the camera was elsewhere than at the first frame, so its way is
@@ -51,13 +52,12 @@ def scenes(
     anchor (N,): of each frame, of which the loose ones are tied to nothing before them.
     """
     known, begins = known.copy(), np.array([0, *loose, anchor.max(initial=0) + 1])
-    begun = []
-    for first, beyond in pairwise(begins.tolist()):
-        frames = (anchor >= first) & (anchor < beyond) & known
-        if first and frames.sum() < FEWEST_SCENE:
-            known[frames] = False
-        elif first:
-            begun.append(int(np.flatnonzero(frames)[0]))
+    every = [
+        (anchor >= first) & (anchor < beyond) & known for first, beyond in pairwise(begins.tolist())
+    ]
+    long = [frames for frames in every if frames.sum() >= FEWEST_SCENE] or every[:1]
+    known = np.logical_or.reduce(long)
+    begun = [int(np.flatnonzero(frames)[0]) for frames in long[1:]]
     ends = [0, *sorted(cuts), len(known)]
     lasting = [known[one:other].sum() >= FEWEST_SCENE for one, other in pairwise(ends)]
     kept = [cut for k, cut in enumerate(sorted(cuts)) if lasting[k] and lasting[k + 1]]

@@ -21,6 +21,9 @@ WIDTH_PX = 160
 """Of the small grey pictures that are compared."""
 MOST_CHANGE = 0.5
 """Mean grey levels by which a copy may differ from what it is a copy of: compression."""
+LEAST_CHANGE = 0.15
+"""Mean grey levels before and after a copy, at least: less is what compression does to a picture in
+which nothing moves, most of it at keys."""
 LEAST_RATIO = 3.0
 """How many times as much the picture must change before and after a copy."""
 SHARE = 0.3
@@ -78,7 +81,7 @@ def _copies(change: Array) -> list[tuple[int, int]]:
         if first == 0 or last + 1 == len(change) or last - first >= LONGEST:
             continue
         beside = min(change[first - 1], change[last + 1])  # NaN where one is not known
-        is_copy = beside >= LEAST_RATIO * change[first : last + 1].max()
+        is_copy = beside >= max(LEAST_CHANGE, LEAST_RATIO * change[first : last + 1].max())
         if is_copy and beside > SHARE * usual[first]:
             found.append((first, last))
     return found

@@ -4,7 +4,8 @@ Two looks must agree, each by cells of the picture, since people and leaves move
 that stands still and only some cells are theirs. Corners are followed from the first frame to the
 sampled ones and back (Lucas and Kanade); and what differs from the background, every pixel's
 median over the samples, is asked for the shift of the whole cell that would explain it. The second
-look also works on soft gradients, where a pan leaves no corner to follow.
+look also works on soft gradients, where a pan leaves no corner to follow. Where the film fades, the
+sampled frames are made as bright as most of it, and those that show nothing are passed over.
 """
 
 from __future__ import annotations
@@ -64,6 +65,12 @@ SHIFT_SIGMA_PX = 0.05
 """A cell has a known shift where noise would leave it no less certain than this."""
 NOISE_GREY = 1.0
 """What the smoothed pictures of a still scene differ by, grey levels, compression included."""
+LEAST_CONTRAST = 0.2
+"""Of the sampled frame that shows most; one that shows less is blank, or has all but faded."""
+LEAST_GAIN = 0.1
+"""A smaller change of contrast is no fade."""
+FITTED_EVERY, FIT_ROUNDS = 11, 5
+"""Pixels that the brightness of a faded frame is fitted by, and rounds without those that move."""
 AROUND_PX = 5
 """Room around moving pixels in which a corner's window would hold them."""
 
@@ -78,7 +85,8 @@ class StillCamera:
     still: every sampled frame has enough cells, and enough of them stand still, by both looks.
     share: of the cells that stand still, at the worst frame.  cells: that spoke, at the poorest.
     largest_median_px: the largest of the frames' medians over cells; infinite where nothing spoke.
-    moving: the largest share of pixels that differ from the background.  samples: frames read.
+    moving: the largest share of pixels that differ from the background.  samples: frames read that
+    show something.
     """
 
     still: bool
@@ -99,6 +107,7 @@ def still_camera(video: Video) -> StillCamera:
 
 def still_pictures(pictures: list[NDArray[np.uint8]]) -> StillCamera:
     """The same of grey pictures (H, W), the sampled frames in order."""
+    pictures = _evenly_bright(pictures)
     if len(pictures) < FEWEST_SAMPLES:
         return StillCamera(False, 0.0, 0, np.inf, 1.0, len(pictures))
     smoothed = [smooth(picture) for picture in pictures]
@@ -113,6 +122,34 @@ def still_pictures(pictures: list[NDArray[np.uint8]]) -> StillCamera:
     most = max(float(a.mean()) for a in away)
     still = cells >= FEWEST_CELLS and share >= SHARE and most <= MOST_MOVING
     return StillCamera(still, share, cells, median, most, len(pictures))
+
+
+def _evenly_bright(pictures: list[NDArray[np.uint8]]) -> list[NDArray[np.uint8]]:
+    """The pictures that show something, freed of fades."""
+    contrasts = [float(picture.std()) for picture in pictures]
+    least = LEAST_CONTRAST * max(contrasts, default=0.0)
+    shown = sorted((c, k) for k, c in enumerate(contrasts) if c >= least)
+    if not shown:
+        return []
+    usual = pictures[shown[len(shown) // 2][1]]
+    return [_as_bright_as(usual, pictures[k]) for k in sorted(k for _, k in shown)]
+
+
+def _as_bright_as(usual: NDArray[np.uint8], picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A picture with the brightness of another that shows the same scene faded."""
+    x, y = (p.ravel()[::FITTED_EVERY].astype(float) for p in (picture, usual))
+    gain = y.std() / x.std()
+    offset = float(np.median(y - gain * x))
+    for _ in range(FIT_ROUNDS):
+        off = np.abs(y - gain * x - offset)
+        alike = off <= max(DIFFERENCE, float(np.median(off)))
+        if x[alike].std() == 0:
+            return picture
+        gain, offset = np.polyfit(x[alike], y[alike], 1)
+    if abs(gain - 1) <= LEAST_GAIN or gain <= 0:
+        return picture
+    levels = np.clip(np.rint(np.arange(256) * gain + offset), 0, 255)
+    return np.asarray(cv2.LUT(picture, levels.astype(np.uint8)), np.uint8)
 
 
 def sampled_frames(count: int) -> list[int]:

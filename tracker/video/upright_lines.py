@@ -31,6 +31,10 @@ MOST_TILT_RAD, MOST_ROLL_RAD = np.radians(50.0), np.radians(20.0)
 APART: Final = 0.02
 """Sine of the angle between the planes of two segments that say where they meet."""
 TRIES, ROUNDS = 1500, 5
+BAR_SPREAD: Final = 3.0
+"""Standard deviation of the grey levels of a bar at the picture's side, at most."""
+BAR_PX: Final = 4.0
+"""Nearer to a bar's edge a line is that edge."""
 LEAST_AGREEING, LEAST_LINES = 0.4, 6
 """The share of all length that has to agree, and the number of segments."""
 
@@ -89,7 +93,22 @@ def _steep_segments(picture: NDArray[np.uint8]) -> Array:
     across, along = np.abs(ends[:, 1] - ends[:, 0]).T
     is_steep = np.degrees(np.arctan2(across, along)) < STEEP_DEG
     is_long = np.hypot(across, along) > LEAST_SHARE * grey.shape[0]
-    return np.asarray(ends[is_steep & is_long])
+    is_edge = np.zeros(len(ends), np.bool_)
+    for edge in _bar_edges(np.asarray(grey, dtype=np.uint8)):
+        is_edge |= (np.abs(ends[..., 0] - edge) < BAR_PX).all(axis=1)
+    return np.asarray(ends[is_steep & is_long & ~is_edge])
+
+
+def _bar_edges(grey: NDArray[np.uint8]) -> list[int]:
+    """Columns at which bars end that a film of another shape has at its sides."""
+    width, edges = grey.shape[1], []
+    for picture in (grey, grey[:, ::-1]):
+        is_flat = picture.std(axis=0) < BAR_SPREAD
+        is_flat &= np.abs(picture.mean(axis=0) - picture[:, 0].mean()) < BAR_SPREAD
+        bar = width if is_flat.all() else int(np.argmin(is_flat))
+        if 0 < bar < width:
+            edges.append(bar if picture is grey else width - bar)
+    return edges
 
 
 def _planes(ends: Array, camera: Camera) -> Array:

@@ -219,6 +219,36 @@ def test_a_picture_that_becomes_brighter_does_not_matter(wandered: list[Grey]) -
     assert off_deg(found.path.Ts_camera_world, ROTATIONS).max() < 0.1
 
 
+FADES: dict[str, tuple[int, Callable[[int], float], list[int]]] = {
+    "five black frames at first": (0, lambda frame: float(frame >= 5), [0, 4]),
+    "a fade-in": (0, lambda frame: frame / 15, [0, 6]),
+    "a fade-in from white": (255, lambda frame: frame / 15, [0, 6]),
+    "a fade-out": (0, lambda frame: (FRAMES - 1 - frame) / 15, [FRAMES - 7, FRAMES - 1]),
+    "a dip to black": (0, lambda frame: abs(frame - 20) / 8, [16, 24]),
+    "flat grey in the middle": (128, lambda frame: float(not 15 <= frame < 25), [15, 24]),
+}
+"""Towards which grey level, the picture's own weight at a frame, and where it may be lost."""
+
+
+@pytest.mark.parametrize("name", FADES)
+@pytest.mark.parametrize("stands", [True, False], ids=["stands still", "turns"])
+def test_a_fade_is_not_taken_for_a_background_that_moves(
+    wandered: list[Grey], name: str, stands: bool
+) -> None:
+    toward, weight, (first, last) = FADES[name]
+    shown = [wandered[0]] * FRAMES if stands else wandered
+    faded = [
+        np.asarray(np.rint(toward + (p.astype(float) - toward) * min(1.0, weight(k))), np.uint8)
+        for k, p in enumerate(shown)
+    ]
+    found = found_in(faded)
+    assert found.kind == ("static" if stands else "turns")
+    assert kinds(found) <= {"no_texture"}
+    assert {*np.flatnonzero(~found.known)} <= {*range(first, last + 1)}
+    for finding in found.findings:
+        assert first <= finding.first_frame <= finding.last_frame <= last
+
+
 def test_a_pan_tells_the_focal_length() -> None:
     rotations = [turned(0.7 * k, 0.1 * k) for k in range(24)]
     wrong = SMALL.model_copy(update={"fx": SMALL.fx * 1.2, "fy": SMALL.fy * 1.2})

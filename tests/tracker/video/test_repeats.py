@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -34,9 +35,37 @@ def with_copies(pictures: Sequence[Picture], even: bool) -> tuple[list[Picture],
     return shown, [*range(PERIOD - 1, len(shown), PERIOD)]
 
 
+def lettered(width: int, height: int, ground: int) -> Picture:
+    """Words on a dark ground."""
+    picture = np.full((height, width, 3), ground, np.uint8)
+    cv2.putText(picture, "A WALK", (80, 100), cv2.FONT_HERSHEY_SIMPLEX, 1.0, (80, 80, 80), 2)
+    return picture
+
+
 @pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
 def test_films_without_copies_have_none(path: Path) -> None:
     assert found_in(path) == Repeats()
+
+
+STILL = {
+    "a gradient": np.tile(np.linspace(0, 255, 640).astype(np.uint8)[:, None], (352, 1, 3)),
+    "a title card": lettered(640, 352, ground=0),
+    "a dark room": lettered(640, 352, ground=12),
+}
+
+
+@pytest.mark.parametrize("crf", ["23", "35"])
+@pytest.mark.parametrize("shown", STILL)
+def test_what_compression_does_where_nothing_moves_is_no_copy(
+    tmp_path: Path, shown: str, crf: str
+) -> None:
+    rng = np.random.default_rng(0)
+    pictures = [
+        np.clip(STILL[shown] + rng.normal(0, 0.7, STILL[shown].shape), 0, 255).astype(np.uint8)
+        for _ in range(24)
+    ]
+    options = {"g": "6", "crf": crf, "threads": "1"}
+    assert found_in(write_clip(tmp_path / "film.mp4", pictures, options=options)) == Repeats()
 
 
 @pytest.mark.parametrize("even", [True, False], ids=["put between", "instead of a frame"])

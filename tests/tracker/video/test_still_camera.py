@@ -93,6 +93,35 @@ def test_the_same_film_left_where_it_is_is_still() -> None:
     assert found.cells >= 10
 
 
+def weakened(toward: int, weight: Callable[[int], float]) -> Callable[[Grey, int], Grey]:
+    """Fades: the picture's own weight at each frame, the rest being one grey level."""
+    return lambda grey, frame: np.asarray(
+        np.rint(toward + (grey.astype(float) - toward) * np.clip(weight(frame), 0, 1)), np.uint8
+    )
+
+
+FADES: dict[str, Callable[[Grey, int], Grey]] = {
+    "five black frames at first": weakened(0, lambda frame: float(frame >= 5)),
+    "a short fade-in": weakened(0, lambda frame: frame / 20),
+    "a fade-in all through": weakened(0, lambda frame: frame / (FRAMES - 1)),
+    "a fade-out": weakened(0, lambda frame: (FRAMES - 1 - frame) / 30),
+    "a fade-in from white": weakened(255, lambda frame: frame / 20),
+    "a dip to black": weakened(0, lambda frame: abs(frame - 30) / 12),
+    "flat grey in the middle": weakened(128, lambda frame: float(not 25 <= frame < 45)),
+    "black at the end": weakened(0, lambda frame: float(frame < 45)),
+}
+
+
+@pytest.mark.parametrize("name", FADES)
+def test_a_camera_that_stands_still_is_still_though_the_film_fades(name: str) -> None:
+    fade, frames = FADES[name], sampled_frames(FRAMES)
+    standing = [fade(filmed()[frame], frame) for frame in frames]
+    assert still_pictures(standing).still, still_pictures(standing)
+    for moves in ("a slow drift upward", "a slow zoom of a fiftieth", "a regular shake"):
+        pictures = zip(moved(MOVING[moves]), frames, strict=True)
+        assert not still_pictures([fade(p, frame) for p, frame in pictures]).still, moves
+
+
 def test_a_camera_that_trembles_less_than_a_tenth_of_a_pixel_is_still() -> None:
     assert still_pictures(moved(lambda frame: shifted(0.08 * (-1) ** frame, 0.0))).still
 

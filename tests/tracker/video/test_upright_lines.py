@@ -63,6 +63,19 @@ def test_a_lens_that_bends_lines_is_allowed_for() -> None:
     assert angle_deg(found.up_camera, up) < 1.5
 
 
+@pytest.mark.parametrize("bars", [(40, 40), (90, 60), (0, 120)])
+def test_the_edges_of_bars_at_the_sides_are_no_upright_lines(bars: tuple[int, int]) -> None:
+    up = up_of(12.0, 8.0)
+    boxed = picture(up, slanted=6)
+    boxed[:, : bars[0]] = boxed[:, 640 - bars[1] :] = 0
+    found = up_from_lines([boxed], CAMERA)
+    assert found is not None
+    assert angle_deg(found.up_camera, up) < 0.7
+    blank = np.full((360, 640), 128, np.uint8)
+    blank[:, : bars[0]] = blank[:, 640 - bars[1] :] = 16
+    assert up_from_lines([blank] * 6, CAMERA) is None
+
+
 def test_a_blank_wall_and_lines_that_lean_every_way_say_nothing() -> None:
     blank = np.full((360, 640, 3), 128, np.uint8)
     assert up_from_lines([blank, blank], CAMERA) is None
