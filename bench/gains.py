@@ -582,7 +582,7 @@ def _drafted(name: str, seed: int, proportions: bool = True) -> tuple[ClipDraft,
         return detect(picture, ends, [start], _network(), film=name, kept=pieces)
 
     keypoints: Keypoints = keep.once(("draft", seed), found)
-    changes = _changes(keep, seed, (picture, keypoints, ends[0], _network().plain))
+    changes = _changes(keep, seed, (picture, keypoints, [ends[0]], _network().plain))
     body = film.clip.body if film.clip is not None else film.skeleton.body
     draft = draft_from_keypoints(
         keypoints, film.camera, body, changes=changes, proportions=proportions

@@ -14,10 +14,10 @@ from keypose.app.export.matte import (
     FILMS,
     frames_of,
     matte_of,
-    picture_names,
     write_film_with_alpha,
     write_pictures_into,
 )
+from keypose.app.export.picture_names import picture_names
 from keypose.app.orders.drawing import MatteOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.storage.atomic import require_absent, require_folder, sweep
@@ -32,11 +32,12 @@ def run(arguments: argparse.Namespace) -> int:
     is_film = order.kind in FILMS
     if is_film and out.suffix.lower() != f".{order.kind}":
         raise FormatError(f"{str(out)!r} must end in .{order.kind}, the format of the film.")
-    written = [out] if is_film else [out / name for name in picture_names(session, first, last)]
-    if not arguments.overwrite:
-        require_absent(written)
     require_folder(out.parent if is_film else out)
     with open_video_of(session, arguments.session) as video, _bar() as progress:
+        names = [] if is_film else picture_names(video.info, range(first, last + 1))
+        written = [out / name for name in names] or [out]
+        if not arguments.overwrite:
+            require_absent(written)
         matte = matte_of(session, arguments.session.name, video, order, progress)
         if is_film:
             sweep(out.parent)
@@ -45,8 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
             write_pictures_into(out, matte, overwrite=arguments.overwrite)
     note(matte.words or None)
     if arguments.json:
-        empty = list(matte.empty)
-        print_json({"written": list(map(str, written)), "frames": [first, last], "empty": empty})
+        of_frames = {"empty": list(matte.empty), "maybe_another": list(matte.maybe_another)}
+        print_json({"written": list(map(str, written)), "frames": [first, last], **of_frames})
     else:
         pictures = "1 picture" if len(written) == 1 else f"{len(written)} pictures"
         print(f"Written: {out}" if is_film else f"Written: {pictures} in {out}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.export.film import clock_of
+from keypose.app.export.picture_names import picture_names
 from keypose.app.orders.drawing import MatteOrder
 from keypose.app.render.studio import png
 from keypose.tracker.body.pose import Pose
@@ -33,6 +34,8 @@ FILMS = {"webm": WEBM, "mov": MOV}
 class Matte:
     """Where the person is in the frames of a film, first to last.
 
+    own: first and last of the frames that show the person who was posed; in those before and after
+    it may be another one.
     progress: is told how many of how many steps are done, a look or a picture each.
     """
 
@@ -42,6 +45,7 @@ class Matte:
     first: int
     last: int
     seen: Keypoints
+    own: tuple[int, int]
     progress: Callable[[int, int], None]
     looks: int
 
@@ -50,16 +54,31 @@ class Matte:
 
     @property
     def words(self) -> str:
-        """What should be known of it, a sentence or nothing."""
-        if not self.empty:
-            return ""
-        share = f"{len(self.empty)} of the {len(self)} frames"
-        return f"No person was found in {share}: their alpha is empty."
+        """What should be known of it, sentences or nothing."""
+        words, (first, last) = [], self.own
+        if self.empty:
+            share = f"{len(self.empty)} of the {len(self)} frames"
+            words.append(f"No person was found in {share}: their alpha is empty.")
+        if self.first < first:
+            words.append(
+                f"Before frame {first} it may be another person: set a keyframe at {first - 1}."
+            )
+        if self.last > last:
+            words.append(
+                f"From frame {last + 1} on it may be another person: set a keyframe there."
+            )
+        return " ".join(words)
 
     @property
     def empty(self) -> tuple[int, ...]:
         """Frames in which no person was found."""
         return tuple(n for n in range(self.first, self.last + 1) if self.seen.mask(n) is None)
+
+    @property
+    def maybe_another(self) -> tuple[int, ...]:
+        """Frames in which it may be another person."""
+        first, last = self.own
+        return tuple(n for n in range(self.first, self.last + 1) if not first <= n <= last)
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
         """RGBA (H, W, 4), alpha straight, or the alpha alone (H, W, 3), of every frame in turn."""
@@ -69,12 +88,6 @@ class Matte:
             shown = np.zeros((*alpha.shape, 3), np.uint8) if picture is None else picture
             yield np.dstack([alpha] * 3 if self.order.alpha_only else [shown, alpha])
             self.progress(self.looks + done, self.looks + len(self))
-
-
-def picture_names(session: Session, first: int, last: int) -> list[str]:
-    """Return the names of the pictures of these frames."""
-    digits = max(4, len(str(session.view.video.frame_count - 1)))
-    return [f"frame{number:0{digits}}.png" for number in range(first, last + 1)]
 
 
 def frames_of(session: Session, order: MatteOrder) -> tuple[int, int]:
@@ -104,13 +117,39 @@ def matte_of(
 
     reached = min(first, *seeds), max(last, *seeds)
     skeleton = Skeleton.of(session.subject.body)
-    seen = detected_keypoints(session, video).follow(reached, skeleton, seeds, looked)
+    detected = detected_keypoints(session, video)
+    seen = detected.follow(reached, skeleton, seeds, looked)
     if seen is None or all(seen.mask(n) is None for n in range(first, last + 1)):
         raise SessionError(
             f"No person was found in frames {first} to {last}, starting from the poses at "
             f"{listed([str(n) for n in seeds])}: pose the body over a person who is seen well."
         )
-    return Matte(session, video, order, first, last, seen, progress, looks)
+
+    def looked_again(done: int, expected: int) -> None:
+        progress(looks + done, looks + expected + count)
+
+    changes = _drafted_changes(session, reached)
+    if changes is None:
+        changes = detected.changes(seen, list(seeds), looked_again)
+    own = _own(changes, list(seeds), reached)
+    return Matte(session, video, order, first, last, seen, own, progress, looks)
+
+
+def _drafted_changes(session: Session, frames: tuple[int, int]) -> tuple[int, ...] | None:
+    """The frames from which on it may be another person, as the draft says; None where these
+    frames were not drafted."""
+    drafted = session.subject.drafted
+    if drafted is None or not drafted.first_frame <= frames[0] <= frames[1] <= drafted.last_frame:
+        return None
+    return tuple(place.frame for place in drafted.places if place.reason == "person")
+
+
+def _own(changes: Sequence[int], seeds: Sequence[int], frames: tuple[int, int]) -> tuple[int, int]:
+    """First and last of the frames that no change separates from the nearest seed. Between two
+    seeds the body comes out at both."""
+    first = max((change for change in changes if change <= min(seeds)), default=frames[0])
+    after = min((change for change in changes if change > max(seeds)), default=frames[1] + 1)
+    return max(first, frames[0]), after - 1
 
 
 def shown_mask(
@@ -176,7 +215,7 @@ def write_zip(out: Path, matte: Matte) -> None:
 
 
 def _named(matte: Matte) -> Iterator[tuple[str, bytes]]:
-    names = picture_names(matte.session, matte.first, matte.last)
+    names = picture_names(matte.video.info, range(matte.first, matte.last + 1))
     for name, picture in zip(names, matte.pictures(), strict=True):
         yield name, png(picture[..., 0] if matte.order.alpha_only else picture)
 

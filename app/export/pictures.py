@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from keypose.app.editor.part_keyframes import keyed_words
+from keypose.app.export.picture_names import picture_names
 from keypose.app.export.report.subject import Subject, subject_of
 from keypose.app.orders.drawing import PictureOrder, SheetOrder
 from keypose.app.render.lettering import write, written_width
@@ -189,9 +190,9 @@ def write_pictures(
     drawn: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
     """A zip with frame0001.png and so on; `drawn` receives how many of how many are done."""
-    digits = max(4, len(str(session.view.video.frame_count - 1)))
+    names = picture_names(video.info, frames)
     with zipfile.ZipFile(out, "w", zipfile.ZIP_STORED) as archive:  # PNG is packed already
-        for done, frame in enumerate(frames, start=1):
+        for done, (frame, name) in enumerate(zip(frames, names, strict=True), start=1):
             content = png(still(session, video, frame, poses, wanted))
-            archive.writestr(zipfile.ZipInfo(f"frame{frame:0{digits}}.png"), content)
+            archive.writestr(zipfile.ZipInfo(name), content)
             drawn(done, len(frames))

@@ -8,7 +8,7 @@ which the body has moved are looked at again.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -35,16 +35,17 @@ _TRUNK: Final = [NAMES.index(name) for name in TRUNK]
 def person_changes(
     frame: Frame,
     keypoints: Keypoints,
-    at: int,
+    seeds: Sequence[int],
     network: Detector,
     report: Callable[[int, int], None] = lambda done, expected: None,
 ) -> tuple[int, ...]:
     """The frames from which on the body may be another one than before, ascending.
 
-    keypoints: as `detect` found them from a seed at the frame `at`.
+    keypoints: as `detect` found them from seeds at these frames. Between two of them the body
+               comes out at both.
     report:    frames looked at and to look at, before each; what it raises ends the work.
     """
-    ways = [_back_to(at, keypoints, step) for step in (1, -1)]
+    ways = [_back_to(max(seeds), keypoints, 1), _back_to(min(seeds), keypoints, -1)]
     changes, done, expected = list[int](), 0, sum(map(len, ways))
     for way in ways:
         again: Rows | None = None

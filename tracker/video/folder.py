@@ -207,6 +207,7 @@ class FolderSource:
             lens=lens_in((tags_of(frame),)),
             timecode=Timecode.of_numbers(numbers, timing.fps),
             depth=self._depth,
+            file_numbers=_ascending(numbers),
             numbering=_unevenness(numbers),
         )
 
@@ -245,6 +246,13 @@ def _number_in(stem: str) -> int | None:
     """The last number in the name of a file, as sequences of images count; None without one."""
     found = re.findall(r"[0-9]+", stem)
     return int(found[-1]) if found else None
+
+
+def _ascending(numbers: Sequence[int | None]) -> tuple[int, ...] | None:
+    """The numbers where every file has one, higher than the one before; else None."""
+    there = tuple(number for number in numbers if number is not None)
+    ascend = len(there) == len(numbers) and all(one < other for one, other in pairwise(there))
+    return there if ascend else None
 
 
 def _unevenness(numbers: Sequence[int | None]) -> str:

@@ -177,6 +177,7 @@ class VideoInfo:
     timecode: Timecode | None = None  # of the first frame, as the file gives it
     deinterlaced: bool = False  # each frame that is marked interlaced is made a progressive one
     depth: int | None = None  # bits used of sixteen in image files, spread to the full range
+    file_numbers: tuple[int, ...] | None = None  # in the names of image files, where they ascend
     numbering: str = ""  # how the numbers in the names of image files go on unevenly, a sentence
 
 

@@ -90,7 +90,8 @@ def add_matte(commands: Subcommands) -> None:
     details = (
         "A network shows in every frame where the person is; it starts at the keyframes, or "
         "where the poses were drafted. Pictures are RGBA of the frame as it was filmed, alpha "
-        "straight. Frames without the person have an empty alpha, and their number is said."
+        "straight. Frames without the person have an empty alpha, and their number is said, as is "
+        "where it may be another person, after two have crossed."
     )
     command = add_command(commands, "matte", details, _MATTE_EXAMPLES)
     add_session(command)

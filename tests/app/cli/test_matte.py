@@ -17,14 +17,17 @@ from numpy.typing import NDArray
 from keypose import sample_videos
 from keypose.app.cli import matte as command
 from keypose.app.cli.main import main
+from keypose.app.export.picture_names import picture_names
 from keypose.app.orders.drawing import MatteOrder
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.region import Region
+from keypose.tracker.session.annotations import Drafted, DraftPlace
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.tracking.cues import sources
 from keypose.tracker.video import Video
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.keypoints.keypoint_cases import BALANCE, disc
+from tests.tracker.video_cases import numbered_picture, write_image
 
 HIDDEN = 2
 """The frame that shows nobody."""
@@ -133,8 +136,66 @@ def test_json_has_the_files_and_the_empty_frames(
     assert run(session, "--frames", "2-3", "--json", "--out", tmp_path / "out") == 0
     files = [str(tmp_path / "out" / f"frame000{n}.png") for n in (2, 3)]
     assert json.loads(capsys.readouterr().out) == {
-        **{"written": files, "frames": [2, 3], "empty": [2]}
+        **{"written": files, "frames": [2, 3], "empty": [2], "maybe_another": []}
     }
+
+
+ANOTHER: dict[str, tuple[list[int], int, str, str, list[int]]] = {
+    "from there on": ([0], 2, "1-3", "From frame 2 on it may be another person", [2, 3]),
+    "beyond it alone": ([0], 2, "3-4", "From frame 2 on it may be another person", [3, 4]),
+    "before the person": ([4], 2, "1-3", "Before frame 2 it may be another person", [1]),
+    "not as far as asked": ([0], 4, "1-3", "", []),
+    "not so far back": ([4], 1, "1-3", "", []),
+    "a keyframe there": ([0, 2], 2, "1-3", "", []),
+    "a keyframe after it": ([0, 4], 2, "1-3", "", []),
+}
+"""Keyframes, the change, frames asked for, what is said, and the frames it is said of."""
+
+
+@pytest.mark.parametrize("said_by", ["the draft", "a look back"])
+@pytest.mark.parametrize("case", ANOTHER)
+def test_where_it_may_be_another_person_is_said_as_the_draft_says_it(
+    session: Path,
+    tmp_path: Path,
+    case: str,
+    said_by: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    posed, change, frames, words, of = ANOTHER[case]
+    doc = load_session(session)
+    keyframes = tuple(
+        doc.subject.keyframes[0].model_copy(update={"frame": n, "time_s": n / 30}) for n in posed
+    )
+    update: dict[str, object] = {"keyframes": keyframes}
+    if said_by == "the draft":
+        place = DraftPlace(frame=change, reason="person")
+        update |= {"drafted": Drafted(first_frame=0, last_frame=9, places=(place,))}
+    monkeypatch.setattr(sources, "person_changes", lambda *given: (change,))
+    save_session(doc.changed(update), session)
+    assert run(session, "--frames", frames, "--json", "--out", tmp_path / "out") == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["maybe_another"] == of
+    assert words in err
+    assert ("another person" in err) == bool(words)
+
+
+NUMBERED: dict[str, tuple[list[str], list[str]]] = {
+    "a shot": ([f"shot.{n}.png" for n in range(1001, 1005)], ["frame1002.png", "frame1003.png"]),
+    "with a gap": (["a_7.png", "a_9.png", "a_12.png"], ["frame0009.png", "frame0012.png"]),
+    "large": ([f"{n}.png" for n in range(86399, 86403)], ["frame86400.png", "frame86401.png"]),
+    "doubled": (["a1.png", "b1.png", "c1.png"], ["frame0001.png", "frame0002.png"]),
+    "none": (["a.png", "b.png", "c.png"], ["frame0001.png", "frame0002.png"]),
+}
+
+
+@pytest.mark.parametrize("case", NUMBERED)
+def test_pictures_of_numbered_pictures_have_their_numbers(tmp_path: Path, case: str) -> None:
+    files, names = NUMBERED[case]
+    for name in files:
+        write_image(tmp_path / name, numbered_picture(0))
+    with Video.open(tmp_path) as video:
+        assert picture_names(video.info, [1, 2]) == names
 
 
 def without_keyframes(path: Path) -> None:

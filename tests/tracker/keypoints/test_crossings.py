@@ -50,7 +50,7 @@ def changes(network: Street, at: int, person: Place) -> tuple[int, ...]:
     seed = Seed(at, Region(person(at), HEIGHT / 2, SIDE))
     keypoints = detect(numbered, (0, FRAMES - 1), [seed], network)
     network.looked.clear()
-    return person_changes(numbered, keypoints, at, network)
+    return person_changes(numbered, keypoints, [at], network)
 
 
 @pytest.mark.parametrize("at", [0, 30, FRAMES - 1])
@@ -91,4 +91,4 @@ def test_what_the_report_raises_ends_the_work() -> None:
         raise InterruptedError
 
     with pytest.raises(InterruptedError):
-        person_changes(numbered, keypoints, 0, street, leave)
+        person_changes(numbered, keypoints, [0], street, leave)

@@ -115,7 +115,7 @@ def draft_clip(
     def looked_again(done: int, expected: int) -> None:
         report(DraftProgress("keypoints", count + done, count + expected))
 
-    changes = person_changes(frame, keypoints, at, again or network, looked_again)
+    changes = person_changes(frame, keypoints, [at], again or network, looked_again)
     return draft_from_keypoints(
         keypoints, camera, body, changes=changes, proportions=proportions, up_world=up_world,
         path=path, report=report,

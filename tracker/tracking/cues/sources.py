@@ -13,11 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.keypoints.augmented import AugmentedNetwork
 from keypose.tracker.keypoints.blazepose import Seen
+from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Detector, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detector
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import FULL, Model
+from keypose.tracker.keypoints.paired import PairedNetwork
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video.info import MissingFrame
 
@@ -151,6 +154,20 @@ class DetectedKeypoints:
                 )  # fmt: skip
             except KeypointError:  # nobody is seen there: a body that is no person
                 return None
+
+    def changes(
+        self, keypoints: Keypoints, seeds: Sequence[int], report: Callable[[int, int], None]
+    ) -> tuple[int, ...]:
+        """The frames from which on what `follow` found may be another person, ascending; see
+        `person_changes`.
+
+        seeds: the frames of the poses that it was followed from.
+        """
+        with _LOOKING:
+            network = _network(self.model)
+            if isinstance(network, AugmentedNetwork | PairedNetwork):
+                network = network.plain
+            return person_changes(self._frame, keypoints, seeds, network, report)
 
     def _frame(self, number: int) -> NDArray[np.uint8] | None:
         try:
