@@ -5,23 +5,24 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from keypose.app.cli.arguments import note
 from keypose.app.cli.follow import Run, follow
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import warm_tracker
 from keypose.app.document.folder_lock import locked
 from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.rerun import all_segments, save_found, save_tracks_beside, with_repeats
-from keypose.tracker.errors import SessionError
+from keypose.tracker.errors import SessionError, listed, readable
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Results, Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import open_video_of, session_json, with_present_fingerprints
-from keypose.tracker.storage.fingerprints import shows_background
+from keypose.tracker.storage.fingerprints import present_keys, segment_keys, shows_background
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.sidecars import carry_beside
 
@@ -136,6 +137,7 @@ def _save_found(
     if results is None:
         return summary
     spans = {track.span for track in found.found}
+    note(_own_settings_words(session.changed({"results": results}), asked, spans))
     mine = [s for s in results.segments if (s.first_frame, s.last_frame) in spans]
     summary |= {
         "session": str(_session_path_to_write(arguments)),
@@ -152,6 +154,20 @@ def _save_found(
         rows = [{**found.model_dump(), "words": space_sentence(found)} for found in findings]
         summary["in_space"] = rows
     return summary
+
+
+def _own_settings_words(session: Session, asked: Session, spans: Collection[Span]) -> str | None:
+    """Say where what was asked for in this run alone makes the motion out of date as soon as it is
+    written; None where it does not."""
+    keys, asked_keys = present_keys(session), segment_keys(asked)
+    if all(keys.get(span) == asked_keys.get(span) for span in spans):
+        return None
+    own, run_alone = session.settings.model_dump(), asked.settings.model_dump()
+    names = [readable(name) for name in own if own[name] != run_alone[name]]
+    return (
+        f"the session keeps its own {listed(names or ['settings'])}: for these the motion is out "
+        "of date already. Set in the session what this run was asked for, to keep it."
+    )
 
 
 def _write(
@@ -189,8 +205,8 @@ def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
         return
     for segment in summary["segments"]:
         print(f"frames {segment['first_frame']}–{segment['last_frame']}: {segment['words']}")
-        for note in segment["notes"]:
-            print(f"  {note}")
+        for words in segment["notes"]:
+            print(f"  {words}")
     for found in summary.get("in_space", ()):
         print(f"in space: {found['words']}")
     if summary["session"] is not None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from keypose.app.cli.arguments import note
 from keypose.app.cli.json_output import print_json
 from keypose.app.words.review import (
     answers_words,
@@ -16,11 +15,14 @@ from keypose.app.words.review import (
 )
 from keypose.tracker.review.places import Place, Review, review_of
 from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import load_results
+from keypose.tracker.storage.tracks import load_tracks
 
 
 def run(arguments: argparse.Namespace) -> int:
     session = load_session(arguments.session)
+    motion = None if session.subject.results is None else load_tracks(session, arguments.session)
     found = review_of(session, load_results(session, arguments.session))
     if arguments.frames is not None:
         found = found.between(*arguments.frames)
@@ -28,7 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(_facts(found, goal), indent=2)
         return 0
-    for line in _table(found, goal):
+    outdated = None if motion is None else outdated_words(session, motion)
+    for line in (*_to_track(found, outdated), *_table(found, goal)):
         print(line)
     return 0
 
@@ -57,6 +60,15 @@ def _place_as_json(place: Place) -> dict[str, Any]:
     }
 
 
+def _to_track(found: Review, outdated: str | None) -> list[str]:
+    """What is to be tracked before it can be reviewed, and why it is out of date."""
+    if not found.untracked:
+        return []
+    count = len(found.untracked)
+    words = f"{count} segment{'s need' if count > 1 else ' needs'} tracking first"
+    return [f"{words}: {outdated}" if outdated else f"{words}."]
+
+
 def _table(found: Review, goal: int) -> list[str]:
     places = found.above(goal)
     rows = [row_of_place(place) for place in places]
@@ -68,7 +80,5 @@ def _table(found: Review, goal: int) -> list[str]:
     ]
     if found.answered:
         lines.append(answers_words(found.answered))
-    if found.untracked:
-        count = len(found.untracked)
-        note(f"{count} segment{'s need' if count > 1 else ' needs'} tracking first.")
-    return [*lines, f"{left_words(len(places), goal)}{right_words(found, goal)}."]
+    so_far = " so far" if found.untracked else ""
+    return [*lines, f"{left_words(len(places), goal)}{right_words(found, goal)}{so_far}."]

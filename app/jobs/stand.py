@@ -53,12 +53,14 @@ def stood(session: Session, path: Path, results: Results) -> tuple[Standing, Res
     from keypose.tracker.storage.files import open_video_of  # loads what only this needs
     from keypose.tracker.storage.space import solved
     from keypose.tracker.storage.standing import stand
+    from keypose.tracker.storage.tracks import load_tracks
 
     lines = None
     if needs_lines(session):
         with open_video_of(session, path) as video:
             lines = upright_lines(session, video)
-    done = stand(session, results.fitting(session), lines)
+    motion = None if session.subject.results is None else load_tracks(session, path)
+    done = stand(session, results.fitting(session), lines, motion=motion)
     for stretch in results.unsolved(done.session):
         results = results.with_space(solved(done.session, stretch))
     return done, results

@@ -10,7 +10,9 @@ export function whyNotStand() {
   if (isSurface()) return 'A body fitted to surfaces stands where they do';
   if (server.settings?.method === 'paper') return 'The published method has no pins';
   if (!server.body?.parts.some(isFoot)) return 'This body has no feet with heel and toe';
-  return (server.segments ?? []).some(isTracked) ? '' : 'Track first';
+  const segments = server.segments ?? [];
+  if (segments.some(isTracked)) return '';
+  return segments.some(({ state }) => state === 'outdated') ? 'The tracked motion is out of date. Track again first' : 'Track first';
 }
 
 export function whyNotFindUp() {

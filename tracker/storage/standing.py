@@ -18,8 +18,10 @@ from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.level import leaning_rad, up_from_standing
 from keypose.tracker.space.soles import by_contact, foot_heights
 from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.space import frames_per_second, solved, up_of
 from keypose.tracker.storage.stretches import keyframes_within, stretches
+from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 
@@ -52,11 +54,12 @@ def stand(
     fitting: Mapping[Span, SegmentResult],
     lines: UprightLines | None = None,
     cancelled: Callable[[], bool] | None = None,
+    motion: Tracks | None = None,
 ) -> Standing:
     """Stand the session on its floor; SessionError in one sentence where nobody stands.
 
     fitting: what was tracked, by segment.  lines: upright ones of the film, for where nobody said
-    what is up.
+    what is up.  motion: as it was saved, for why it is out of date.
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
@@ -66,7 +69,7 @@ def stand(
         for run in stretches(session, fitting)
     }
     if not motions:
-        raise SessionError("Nothing is tracked yet: track the motion first.")
+        raise SessionError(_why_nothing_stands(session, fitting, motion))
     session, source = _levelled(session, motions, lines)
     pins = _contacts(session, motions)
     taken = len(pins) - len(session.subject.pins)
@@ -79,6 +82,22 @@ def stand(
     stood = stood.changed({"floor_m": _floor_m(stood, fitting, cancelled)})
     on_floor = sum(pin.floor for pin in pins)
     return Standing(stood, taken, on_floor, tuple(sorted(set(softened))), raised, source)
+
+
+def _why_nothing_stands(
+    session: Session, fitting: Mapping[Span, SegmentResult], motion: Tracks | None
+) -> str:
+    """Why no segment can be stood on the floor, and what to do."""
+    finished = [found for found in fitting.values() if found.finished]
+    if any(found.quality == "preview" for found in finished):
+        return "The motion was tracked as a preview: track it in full first."
+    if finished:
+        return "Frames are missing in every tracked segment: track one that is whole first."
+    if session.subject.results is None and motion is None:
+        return "Nothing is tracked yet: track the motion first."
+    words = None if motion is None else outdated_words(session, motion)
+    fault = (words or "the tracked motion is out of date.").removesuffix(".")
+    return f"{fault[0].upper()}{fault[1:]}: track it again first."
 
 
 def _with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Session:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import locked
+from keypose.tracker.session import Session
+from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.results import load_results, save_results
+from keypose.tracker.storage.results import Results, load_results, save_results
 from tests.scenes import sample
 from tests.tracker.storage.standing_cases import results_of, session_of, walk, wandering
 
@@ -83,6 +88,71 @@ def test_a_dry_run_does_not_mind_that_the_session_is_open_and_no_session_leaves_
     folder.mkdir()
     assert main(["stand", str(folder / "session.json")]) == 2
     assert not list(folder.iterdir())
+
+
+def as_preview(path: Path) -> None:
+    session = load_session(path)
+    results = Results()
+    for segment in load_results(session, path).fitting(session).values():
+        results = results.with_result(replace(segment.as_tracked, quality="preview"))
+    save_session(save_results(session.changed({"results": None}), path, results), path)
+
+
+def with_other(**update: Any) -> Callable[[Path], None]:
+    def change(path: Path) -> None:
+        session = load_session(path)
+        changes = {name: made(session) for name, made in update.items()}
+        save_session(session.changed(changes), path)
+
+    return change
+
+
+def all_moved(session: Session) -> tuple[Keyframe, ...]:
+    return tuple(
+        keyframe.model_copy(update={"root_m": tuple(x + 0.01 for x in keyframe.root_m)})
+        for keyframe in session.subject.keyframes
+    )
+
+
+OUTDATED: dict[str, tuple[Callable[[Path], None], str]] = {
+    "another setting": (
+        with_other(settings=lambda s: s.settings.model_copy(update={"cues": ("keypoints",)})),
+        "have changed",
+    ),
+    "another lens": (
+        with_other(camera=lambda s: s.view.camera.zoomed(1.01)),
+        "body, camera or ignore masks have changed",
+    ),
+    "keyframes that moved": (
+        with_other(keyframes=all_moved),
+        "keyframes were set, changed or removed at frames 0, 30, 60",
+    ),
+}
+
+
+def refusal_of(path: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    before = path.read_bytes()
+    assert main(["stand", str(path)]) == 2
+    assert path.read_bytes() == before
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize("case", OUTDATED)
+def test_what_is_out_of_date_is_not_called_untracked(
+    path: Path, case: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change, reason = OUTDATED[case]
+    change(path)
+    words = refusal_of(path, capsys)
+    assert words.startswith("The tracked motion is out of date (")
+    assert reason in words
+    assert words.endswith("): track it again first.\n")
+
+
+def test_a_preview_is_to_be_tracked_in_full(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    as_preview(path)
+    words = "The motion was tracked as a preview: track it in full first.\n"
+    assert refusal_of(path, capsys) == words
 
 
 def test_what_is_not_tracked_is_refused_in_one_sentence(

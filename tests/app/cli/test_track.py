@@ -152,6 +152,17 @@ def test_the_start_and_what_is_left_out_are_of_this_run_only(
     assert asked[4].settings.cues == ("brightness", "silhouette")
 
 
+def test_that_settings_of_one_run_make_the_motion_out_of_date_is_said(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(follow, "rerun", tracker())
+    silhouettes = ["--static-camera", "yes", "--cues", "brightness,silhouette"]
+    for more, own in ((silhouettes, "static camera"), (["--quality", "preview"], "")):
+        assert main(["track", str(session_path), *more]) == 0
+        words = f"the session keeps its own {own}: for these the motion is out of date already"
+        assert (words in capsys.readouterr().err) == bool(own), more
+
+
 @pytest.mark.parametrize("still", ["yes", "no"])
 def test_that_a_camera_that_moves_shows_no_silhouette_is_reported_once_it_is_asked_for(
     still: str,

@@ -258,3 +258,20 @@ def test_answers_are_saved_and_the_list_is_read_without_the_page(
     ]
     assert main(["review", str(path), "--json"]) == 0
     assert '"places": []' in capsys.readouterr().out
+
+
+def test_what_is_to_be_tracked_first_is_listed_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    state = doubting(**ARM_AND_FOOT)
+    path = tmp_path / "session.json"
+    saved = save_results(state.doc, path, state.results)
+    other = saved.settings.model_copy(update={"cues": ("keypoints",)})
+    save_session(saved.changed({"settings": other}), path)
+    assert main(["review", str(path)]) == 0
+    first, *_, last = capsys.readouterr().out.splitlines()
+    assert "tracking first: the tracked motion is out of date (settings have changed)." in first
+    assert last.endswith("left above 5 px so far.")
+    save_session(saved.changed({"results": None}), path)
+    assert main(["review", str(path)]) == 0
+    assert capsys.readouterr().out.splitlines()[0].endswith("tracking first.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,15 @@ from keypose.tracker.body.pose import joint_names
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import Results
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.space.soles import Soles, measured_soles, soles_of
 from keypose.tracker.storage import stretches as solves
+from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.storage.stretches import stretches
+from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 from tests.tracker.storage.standing_cases import (
     KEYS,
@@ -160,8 +164,22 @@ def test_a_foot_on_something_higher_is_left_there_and_named() -> None:
     assert not done.session.subject.pins[0].floor
 
 
+TRACKED = Results(tracks="tracks-0123456789ab.npz", method="keypose", quality="full", segments=())
+
+
+def but(**changes: Any) -> dict[Span, SegmentResult]:
+    """What was tracked, but for something of each segment."""
+    fitting = tracked(known(), MOTION)
+    return {span: replace(found, **changes) for span, found in fitting.items()}
+
+
 REFUSED = {
     "nothing tracked": (lambda: (known(), {}), "Nothing is tracked yet"),
+    "tracked for other settings": (
+        lambda: (known(results=TRACKED), {}), "The tracked motion is out of date: track"
+    ),
+    "a preview": (lambda: (known(), but(quality="preview")), "tracked as a preview: track it in"),
+    "frames are missing": (lambda: (known(), but(missing=(3,))), "Frames are missing in every"),
     "a box": (
         lambda: (known(body=preset("box"), keyframes=()), {}), "no feet with heel and toe"
     ),
