@@ -129,6 +129,7 @@ def _facts(video: Video) -> dict[str, Any]:
         "interlaced": info.interlaced,
         "deinterlaced": info.deinterlaced,
         "rotation_deg": info.rotation_deg,
+        "mirrored": info.mirrored,
         "depth": info.depth,
         "numbering": info.numbering,
         "missing_frames": list(info.missing),
@@ -159,7 +160,7 @@ def _lines(facts: dict[str, Any]) -> list[str]:
     if facts["timecode"] is not None:
         lines.insert(-1, f"  timecode     {facts['timecode']}")
     notes = {
-        f"rotated by {facts['rotation_deg']}° to be upright": facts["rotation_deg"],
+        _turned(facts): facts["rotation_deg"] or facts["mirrored"],
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,
         "interlaced: frames are deinterlaced as they are read": facts["interlaced"],
         f"{facts['depth']} of 16 bits are used: they are spread to the full range": facts["depth"],
@@ -171,6 +172,14 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         and not (facts["missing_frames"] or facts["damaged_frames"]),
     }
     return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
+
+
+def _turned(facts: dict[str, Any]) -> str:
+    """ "rotated by 90° to be upright", "mirrored left to right to be upright"."""
+    rotated = f"rotated by {facts['rotation_deg']}°" if facts["rotation_deg"] else ""
+    if not facts["mirrored"]:
+        return f"{rotated} to be upright"
+    return f"{f'{rotated}, then ' if rotated else ''}mirrored {facts['mirrored']} to be upright"
 
 
 def _repeats(facts: dict[str, Any]) -> str:

@@ -34,6 +34,15 @@ SUFFIXES = (
 """What the files that these read are called: those that are offered to be opened. A file of any
 other name is read all the same when it is named."""
 
+UNREAD_IMAGES = {
+    ".exr": "OpenEXR", ".dpx": "DPX", ".cin": "Cineon", ".hdr": "Radiance", ".tga": "TGA",
+    ".heic": "HEIC", ".heif": "HEIF", ".avif": "AVIF", ".jxl": "JPEG XL", ".jp2": "JPEG 2000",
+    ".j2k": "JPEG 2000", ".j2c": "JPEG 2000", ".psd": "Photoshop", ".sgi": "SGI",
+    **dict.fromkeys((".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".orf", ".rw2"), "raw"),
+}  # fmt: skip
+"""Kinds of image files that are not read, by how they end."""
+CONVERT_IMAGES = "convert them to PNG, or to TIFF of 16 bits, in the colours of a screen (sRGB)"
+
 _OPTIONS = {"format_whitelist": _DEMUXERS, "protocol_whitelist": "file"}
 
 PYAV_ERRORS = (av.error.FFmpegError, ValueError, ArithmeticError, LookupError, RuntimeError)
@@ -168,6 +177,12 @@ def _undecodable(path: Path) -> str:
 
 
 def _unreadable(path: Path) -> str:
+    kind = UNREAD_IMAGES.get(path.suffix.lower())
+    if kind is not None:
+        return (
+            f'"{path.name}" is an image of a kind that is not read, {kind}: put all images of the '
+            f"film into a folder, {CONVERT_IMAGES}, and open the folder."
+        )
     try:
         head = read_head(path, 12)
     except OSError:

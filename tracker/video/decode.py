@@ -275,6 +275,7 @@ def _describe(
         fps=timing.fps,
         variable_rate=timing.variable,
         rotation_deg=orientation.rotation_deg,
+        mirrored=orientation.mirrored,
         interlaced=first.interlaced_frame or stream.codec_context.field_order in _INTERLACED,
         pixel_aspect=aspect,
         missing=tuple(sorted(index.missing)),

@@ -16,9 +16,16 @@ from pathlib import Path
 import av
 import numpy as np
 
-from keypose.tracker.errors import VideoError, numbers_listed
+from keypose.tracker.errors import VideoError, listed, numbers_listed
 from keypose.tracker.files import open_regular
-from keypose.tracker.video.container import PYAV_ERRORS, demux, not_permitted, tags_of
+from keypose.tracker.video.container import (
+    CONVERT_IMAGES,
+    PYAV_ERRORS,
+    UNREAD_IMAGES,
+    demux,
+    not_permitted,
+    tags_of,
+)
 from keypose.tracker.video.damage import Examined
 from keypose.tracker.video.fingerprint import fingerprint_of_images
 from keypose.tracker.video.info import Timecode, VideoInfo, clock, lens_in
@@ -201,6 +208,7 @@ class FolderSource:
             fps=timing.fps,
             variable_rate=False,
             rotation_deg=orientation.rotation_deg,
+            mirrored=orientation.mirrored,
             interlaced=False,
             pixel_aspect=Fraction(1),
             missing=tuple(sorted(self._missing)),
@@ -229,11 +237,25 @@ def _images_in(path: Path) -> list[Path]:
         if entry.suffix.lower() in SUFFIXES and not entry.name.startswith(".") and entry.is_file()
     ]
     if not files:
+        unread = _unread(entries)
+        if unread:
+            raise VideoError(
+                f'The folder "{path.name}" holds images that are not read, {unread}: '
+                f"{CONVERT_IMAGES}."
+            )
         raise VideoError(
             f'The folder "{path.name}" holds no images (PNG, JPEG, BMP, TIFF, WebP) and no meshes '
             "(PLY, OBJ, OFF, GLB): choose the folder that they lie in, or a video file."
         )
     return sorted(files, key=lambda file: natural(file.name))
+
+
+def _unread(entries: Sequence[Path]) -> str:
+    """How many images are of kinds that are not read: "24 of OpenEXR"; empty where there are
+    none."""
+    kinds = [UNREAD_IMAGES.get(e.suffix.lower()) for e in entries if not e.name.startswith(".")]
+    counted = Counter(kind for kind in kinds if kind is not None)
+    return listed([f"{count} of {kind}" for kind, count in sorted(counted.items())])
 
 
 def natural(name: str) -> tuple[list[tuple[int, str]], str]:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import VideoError
+from keypose.tracker.video.picture import Mirrored
 
 NEAREST_MM, FARTHEST_MM = 4.0, 2000.0
 """Focal lengths, as a 35 mm film would have them, between which there are lenses."""
@@ -178,6 +179,7 @@ class VideoInfo:
     deinterlaced: bool = False  # each frame that is marked interlaced is made a progressive one
     depth: int | None = None  # bits used of sixteen in image files, spread to the full range
     file_numbers: tuple[int, ...] | None = None  # in the names of image files, where they ascend
+    mirrored: Mirrored = ""  # how, after it was turned
     numbering: str = ""  # how the numbers in the names of image files go on unevenly, a sentence
 
 

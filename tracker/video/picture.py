@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, cast
+from typing import Any, Literal, TypeAlias, cast
 
 import av
 import av.error
@@ -90,6 +90,9 @@ def _ready(graph: Graph) -> list[av.VideoFrame]:
 Picture = NDArray[np.uint8]  # (height, width, 3) RGB
 
 
+Mirrored: TypeAlias = Literal["", "left to right", "top to bottom"]
+
+
 @dataclass(frozen=True)
 class Orientation:
     """How the stored picture is made upright: transposed first, then flipped."""
@@ -100,10 +103,17 @@ class Orientation:
 
     @property
     def rotation_deg(self) -> int:
-        """Degrees counter-clockwise; a mirrored picture counts as turned, then mirrored."""
+        """Degrees counter-clockwise; a mirrored picture is turned, then mirrored."""
         if self.transpose:
             return 90 if self.flip_rows else 270
-        return 180 if self.flip_columns else 0
+        return 180 if self.flip_rows and self.flip_columns else 0
+
+    @property
+    def mirrored(self) -> Mirrored:
+        """How the turned picture is mirrored."""
+        if self.transpose == (self.flip_rows != self.flip_columns):
+            return ""
+        return "top to bottom" if self.flip_rows and not self.transpose else "left to right"
 
     def apply(self, stored: Picture) -> Picture:
         """The upright picture; a view where that is possible."""

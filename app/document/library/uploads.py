@@ -6,14 +6,14 @@ import os
 import secrets
 import shutil
 from contextlib import suppress
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import TracebackType
 from typing import BinaryIO, Final, Self
 
 from keypose.app.document.library.names import clean_name, numbered
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.storage.atomic import make_folder, sweep
-from keypose.tracker.video.container import SUFFIXES
+from keypose.tracker.video.container import CONVERT_IMAGES, SUFFIXES, UNREAD_IMAGES
 
 LARGEST_BYTES: Final = 8 * 2**30
 SPARE_BYTES: Final = 256 * 2**20
@@ -98,6 +98,11 @@ class Upload:
             self._temporary.unlink()
 
     def _require_video(self) -> None:
+        if (kind := UNREAD_IMAGES.get(PurePath(self.name).suffix.lower())) is not None:
+            raise KeyposeError(
+                f"{self.name} is an image of a kind that is not read, {kind}. Put all images of "
+                f"the film into a folder, {CONVERT_IMAGES}, and open the folder."
+            )
         if not self.name.lower().endswith(SUFFIXES):
             raise KeyposeError(
                 f"{self.name} is not a video. Keypose opens MP4, MOV, MKV, WebM, AVI, TS, MPG and "

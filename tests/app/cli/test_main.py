@@ -25,7 +25,7 @@ from keypose.tracker.storage.tracks import load_trajectory, save_result
 from keypose.tracker.video import MissingFrame, Video
 from tests.tracker import session_cases as cases
 from tests.tracker.damage_cases import FilmKind, write_film
-from tests.tracker.video_cases import flip_bit
+from tests.tracker.video_cases import flip_bit, write_numbered
 
 
 def test_evaluation_prints_the_tracker_beside_interpolation(
@@ -241,6 +241,25 @@ def test_info_says_how_images_of_sixteen_bits_and_uneven_numbers_are_read(
     assert main(["info", str(tmp_path), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert (facts["depth"], facts["missing_frames"]) == (12, [1])
+
+
+@pytest.mark.parametrize(
+    ("turn", "words"),
+    [
+        ((90,), "rotated by 90° to be upright"),
+        ((0, True, False), "mirrored left to right to be upright"),
+        ((0, False, True), "mirrored top to bottom to be upright"),
+        ((90, True, False), "rotated by 90°, then mirrored left to right to be upright"),
+        (None, ""),
+    ],
+)
+def test_info_says_how_a_picture_is_turned_and_mirrored(
+    tmp_path: Path, turn: tuple[Any, ...] | None, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    film = write_numbered(tmp_path / "clip.mp4", 3, turn=turn)
+    assert main(["info", str(film)]) == 0
+    notes = [line for line in capsys.readouterr().out.splitlines() if "upright" in line]
+    assert notes == ([f"  note         {words}"] if words else [])
 
 
 def test_info_check_decodes_every_frame_and_names_the_damaged_ones(

@@ -259,12 +259,16 @@ def test_colours_come_back_as_red_green_and_blue(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("turn", "upright", "rotation_deg"),
+    ("turn", "upright", "rotation_deg", "mirrored"),
     [
-        ((90,), lambda stored: np.rot90(stored, 1), 90),
-        ((-90,), lambda stored: np.rot90(stored, -1), 270),
-        ((180,), lambda stored: np.rot90(stored, 2), 180),
-        ((0, False, True), lambda stored: stored[::-1], 0),
+        ((90,), lambda stored: np.rot90(stored, 1), 90, ""),
+        ((-90,), lambda stored: np.rot90(stored, -1), 270, ""),
+        ((180,), lambda stored: np.rot90(stored, 2), 180, ""),
+        ((0, False, True), lambda stored: stored[::-1], 0, "top to bottom"),
+        ((0, True, False), lambda stored: stored[:, ::-1], 0, "left to right"),
+        ((0, True, True), lambda stored: stored[::-1, ::-1], 180, ""),
+        ((90, True, False), lambda stored: np.rot90(stored, 1)[:, ::-1], 90, "left to right"),
+        ((-90, True, False), lambda stored: np.rot90(stored, -1)[:, ::-1], 270, "left to right"),
     ],
 )
 def test_rotation_and_mirroring_are_applied_once(
@@ -272,6 +276,7 @@ def test_rotation_and_mirroring_are_applied_once(
     turn: tuple[Any, ...],
     upright: Callable[[np.ndarray[Any, Any]], np.ndarray[Any, Any]],
     rotation_deg: int,
+    mirrored: str,
 ) -> None:
     stored = [numbered_picture(number) for number in range(4)]
     path = write_clip(tmp_path / "turned.mp4", stored, turn=turn)
@@ -279,7 +284,7 @@ def test_rotation_and_mirroring_are_applied_once(
         for number, picture in enumerate(decoded_plainly(path)):
             np.testing.assert_array_equal(video.frame(number), upright(picture))
         assert (video.info.height, video.info.width) == video.frame(0).shape[:2]
-        assert video.info.rotation_deg == rotation_deg
+        assert (video.info.rotation_deg, video.info.mirrored) == (rotation_deg, mirrored)
 
 
 def test_a_copy_has_the_same_fingerprint_and_another_video_has_not(tmp_path: Path) -> None:
@@ -549,6 +554,12 @@ def _fifo(folder: Path) -> Path:
     return folder / "pipe.mp4"
 
 
+def _unread(folder: Path, *names: str) -> Path:
+    for name in names:
+        _written(folder / name, b"no matter")
+    return folder
+
+
 def _written(path: Path, content: bytes) -> Path:
     path.write_bytes(content)
     return path
@@ -567,6 +578,10 @@ BAD_FILES: dict[str, Callable[[Path], Path]] = {
     "is incomplete": _without_moov,
     "holds no images": lambda folder: folder,
     "neither a file nor a folder": _fifo,
+    "not read, 2 of OpenEXR:": lambda folder: _unread(folder, "s.1001.exr", "s.1002.EXR"),
+    "not read, 1 of DPX and 1 of raw": lambda folder: _unread(folder, "a.dpx", "b.nef", ".c.dpx"),
+    "not read, OpenEXR: put all": lambda folder: _written(folder / "s.1001.exr", b"v/1\x01" * 20),
+    "not read, HEIC: put all": lambda folder: _written(folder / "i.HEIC", b"\0\0\0\x18ftypheic"),
 }
 
 
