@@ -31,7 +31,7 @@ class MotionOrder:
     frames: of the film, all when None.
     fps: frames a second, those of the film when None; where these vary, formats that are read at a
     constant rate get their mean.  from_zero: whether times and frames begin at 0 instead of where
-    they are in the film.  filter_hz: cut-off of the low-pass filter, none when None.
+    they are in the film.  filter_hz: at which the low-pass filter is 3 dB down, none when None.
     """
 
     rig: str = option(
@@ -75,9 +75,12 @@ class MotionOrder:
     )  # fmt: skip
     filter_hz: float | None = option(
         Number("HZ", 0.01, 1000, "a cut-off such as 6Hz", "Hz"),
-        "cut-off of a zero-phase low-pass filter, such as 6Hz (Butterworth, fourth order); "
-        "default: none",
+        "frequency at which a zero-phase low-pass filter is 3 dB down, such as 6Hz: a "
+        "second-order Butterworth filter forward and back, both passes together. Where a program "
+        "runs one of 6 Hz forward and back, it is 6 dB down there: that is --filter 4.8Hz, 5Hz at "
+        "30 frames a second; default: none",
         flag="filter", label="Low-pass filter", empty="None",
+        note="3 dB down there, both passes together",
     )  # fmt: skip
 
 

@@ -49,8 +49,8 @@ def derivatives_section(subject: Subject) -> Child:
         return element("section", title, element("p", str(error), class_="quiet"))
     words = (
         f"Of joints in space, low-pass filtered at {FILTER_HZ:g} Hz (Butterworth, fourth order, "
-        "without delay); the poses themselves are not filtered. Along the view they are the least "
-        "certain."
+        "without delay, 3 dB down there); the poses themselves are not filtered. Along the view "
+        "they are the least certain."
     )
     charts = element("div", *_charts(subject, found), class_="cols")
     return element("section", title, element("p", words, class_="quiet"), _figures(found), charts)

@@ -217,7 +217,10 @@ def test_speeds_are_those_of_the_filtered_motion_and_the_report_says_so(
     session_path: Path,
 ) -> None:
     words, found = derived(session_path)
-    assert "low-pass filtered at 6 Hz (Butterworth, fourth order, without delay)" in words
+    assert (
+        "low-pass filtered at 6 Hz (Butterworth, fourth order, without delay, 3 dB down there)"
+        in words
+    )
     assert "the poses themselves are not filtered" in words
     assert [one.part for one in found] == ["trunk", "right_arm", "left_hand"]
     subject = tracked(session_path, "good", "good")

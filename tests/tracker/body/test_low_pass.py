@@ -46,6 +46,22 @@ def test_it_is_the_butterworth_filter_forward_and_back() -> None:
     np.testing.assert_allclose(filtered_positions(wave, KERNEL), expected, atol=2e-3)
 
 
+@pytest.mark.parametrize(("rate", "same_hz"), [(30.0, 5.0), (100.0, 4.8), (240.0, 4.8)])
+def test_a_filter_of_6_Hz_run_forward_and_back_is_one_of_less_here(
+    rate: float, same_hz: float
+) -> None:
+    """As `--filter` says of other programs."""
+    impulse = np.zeros(2001)
+    impulse[1000] = 1.0
+    twice = sosfiltfilt(butter(2, 6.0, fs=rate, output="sos"), impulse, padlen=0)
+    gain = np.abs(np.fft.rfft(twice))
+    hz = np.fft.rfftfreq(len(twice), 1 / rate)
+    assert np.interp(6.0, hz, gain) == pytest.approx(0.5, abs=0.001)  # 6 dB down
+    kernel = low_pass_kernel(same_hz, rate)
+    padded = np.pad(kernel, (2001 - len(kernel)) // 2)
+    np.testing.assert_allclose(np.abs(np.fft.rfft(padded)), gain, atol=0.015)
+
+
 @pytest.mark.parametrize("turns", [0.3, 5.0, 60.0])
 def test_a_steady_turn_stays_itself_however_often_it_goes_round(turns: float) -> None:
     Rs = exp_rotation(np.outer(np.linspace(0, 2 * np.pi * turns, 300), AXIS))
