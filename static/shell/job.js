@@ -4,14 +4,19 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, perform, whyNot } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
 import { progressBar } from '../controls/progress_bar.js';
+import { toast } from '../controls/toasts.js';
 import { server, ui, setUi } from '../store/state.js';
 
 const STAYS_MS = 8000;
 const ENDED = { done: 'good', cancelled: 'old', failed: 'lost' };
+/** @type {Record<string, string>} */
+const TOASTS = { good: 'good', check: 'check', lost: 'lost' };
 const ICONS = { good: 'check', check: 'warn', lost: 'lost', old: 'old' };
 
 let timer = 0;
 let wasRunning = false;
+/** @type {object | null} */
+let said = null;
 
 /** The job's place in the top bar, which is as wide without one: nothing beside it moves. */
 export function jobState() {
@@ -50,6 +55,14 @@ function announce(job) {
   setUi('ended', { ...job, kind });
   clearTimeout(timer);
   timer = setTimeout(() => setUi('ended', null), STAYS_MS);
+}
+
+/** Called after every drawing: what a finished job says and has no room in the bar is said in a message. */
+export function sayWhatIsCut() {
+  const words = document.querySelector('#top .job.end .mut');
+  if (!words || said === ui.ended || words.scrollWidth <= words.clientWidth) return;
+  said = ui.ended;
+  toast({ kind: TOASTS[ui.ended.kind] ?? 'info', words: ui.ended.title, detail: ui.ended.words });
 }
 
 function runningJob(job) {

@@ -11,7 +11,7 @@ import { damagedFrames, isSurface } from '../store/clip.js';
 import { loadLibrary } from '../store/library.js';
 import { server, ui, watch } from '../store/state.js';
 import { exportButton } from './export_menu.js';
-import { jobState, noticeJob } from './job.js';
+import { jobState, noticeJob, sayWhatIsCut } from './job.js';
 import { isNarrow, isTiny, moreButton, onWidth } from './more.js';
 import { savedState, savedTicks } from './status.js';
 import { liveSwitch, trackButton } from './track.js';
@@ -100,6 +100,7 @@ export function mountTopbar() {
   const draw = () => {
     render(bar(), element);
     document.title = title();
+    sayWhatIsCut();
   };
   onWidth(draw);
   watch(['job'], noticeJob);

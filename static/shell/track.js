@@ -9,6 +9,7 @@ import { icon } from '../controls/icons.js';
 import { line, menuHolder, toggleMenu } from '../controls/menu.js';
 import { range } from '../controls/words.js';
 import { chosenFrames, words } from '../store/clip.js';
+import { server } from '../store/state.js';
 
 export function liveSwitch() {
   return html`<button
@@ -56,13 +57,19 @@ function split(open) {
   </span>`;
 }
 
-/** As wide with either label, so that nothing beside it moves when the first track begins. */
+/** As wide with each label, so that nothing beside it moves when the first track begins or the last ends. */
 function label(verb) {
-  const first = isFirstTrack();
-  const one = (text, shown) => html`<span class=${shown ? 'shown' : ''} aria-hidden=${!shown}>${text}</span>`;
   const chosen = chosenFrames();
   if (chosen) return html`${verb} <span class="num">${range(...chosen)}</span>`;
-  return html`<span class="either">${one(verb, first)}${one(`${verb} changed`, !first)}</span>`;
+  const now = whatIsLeft();
+  const one = (text, when) => html`<span class=${now === when ? 'shown' : ''} aria-hidden=${now !== when}>${text}</span>`;
+  return html`<span class="either">${one(verb, 'all')}${one(`${verb} changed`, 'changed')}${one(`All ${words().done}`, 'none')}</span>`;
+}
+
+/** Of what there is to track. @returns {'all' | 'changed' | 'none'} */
+function whatIsLeft() {
+  if (isFirstTrack()) return 'all';
+  return changedSegments().length || server.job?.state === 'running' ? 'changed' : 'none';
 }
 
 /** Which segments each of them means stands beside it. */

@@ -103,6 +103,45 @@ def test_the_top_bar_fits_into_any_window(shared: Desk, width: int) -> None:
         assert all(a[2] <= b[1] + 1 for a, b in pairwise(buttons)), buttons
 
 
+STOOD = "12 pins on the floor, 10 of them new; 9 keyframes give way in depth. The camera is level."
+
+
+@pytest.mark.parametrize(
+    ("width", "words", "is_cut"),
+    [(480, STOOD, True), (768, STOOD, True), (1280, STOOD, True), (1440, "3 good", False)],
+)
+def test_what_a_job_says_at_its_end_is_read_in_any_window(
+    shared: Desk, width: int, words: str, is_cut: bool
+) -> None:
+    page, states = shared.page, RandomStates(shared.page, 4)
+    page.set_viewport_size({"width": width, "height": 800})
+    job = {"state": "running", "title": "Standing on the floor", "words": "", "kind": "space"}
+    page.evaluate(FEED, states.next() | {"ui": {"toasts": [], "line": None}, "toasts": []})
+    for news in ({}, {"state": "done", "words": words}):
+        page.evaluate(FEED, {"sections": {"job": job | news}, "ui": {}, "toasts": []})
+    page.locator("#top .job.end .mut", has_text=words).wait_for(state="attached")
+    found = page.locator("#toasts .toast", has_text=words)
+    if is_cut:
+        found.wait_for()
+    assert found.count() == is_cut
+
+
+def test_the_button_says_what_is_left_to_track(shared: Desk) -> None:
+    page, states = shared.page, RandomStates(shared.page, 5)
+    page.set_viewport_size({"width": 1440, "height": 800})
+    ended = {"state": "done", "title": "Tracked", "words": "", "kind": "track"}
+    whole = {"ui": {"toasts": [], "span": {"first": None, "last": None}}, "toasts": []}
+    page.evaluate(FEED, states.next() | whole)
+    segments = section(page, "segments")
+    for state, words in (("none", "Track"), ("outdated", "Track changed"), ("good", "All tracked")):
+        now = [each | {"state": state, "percent": None, "unfinished": False} for each in segments]
+        sections = {"segments": now, "job": ended, "surface": None}
+        page.evaluate(FEED, whole | {"sections": sections})
+        shown = page.locator("#top .split .either > .shown")
+        shown.get_by_text(words, exact=True).wait_for()
+        assert shown.count() == 1
+
+
 def test_a_tip_says_what_the_control_under_the_resting_pointer_does_now(shared: Desk) -> None:
     page, states = shared.page, RandomStates(shared.page, 2)
     page.set_viewport_size({"width": 1280, "height": 720})
