@@ -14,8 +14,8 @@ KINDS: Final = {
     "moves": "The camera moves",
 }
 _FINDINGS: Final = {
-    "no_texture": "{frames}: the background shows too little to follow. The camera is bridged "
-    "there.",
+    "no_texture": "{frames}: the background shows too little to follow, or fades. The camera is "
+    "bridged there.",
     "body_fills": "{frames}: too little background is seen beside the body. The camera is bridged "
     "there.",
     "cut": "{frames}: another scene begins. What is before and after it has no common world.",

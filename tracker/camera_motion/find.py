@@ -9,7 +9,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.findings import Finding, gaps, scenes
+from keypose.tracker.camera_motion.findings import (
+    Finding,
+    are_faded,
+    contrast_of,
+    gaps,
+    scenes,
+)
 from keypose.tracker.camera_motion.focal import FocalScale, focal_scale
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.measurements import FollowedPoints, Measurements
@@ -74,8 +80,10 @@ def find_camera_motion(
     CameraError where a picture has not the camera's size.
     """
     odometer, measured = Odometer(Lens.of(camera)), Measurements()
+    contrasts: list[float] = []
     for frame, picture in enumerate(pictures):
         _require_size(picture, camera)
+        contrasts.append(np.nan if picture is None else contrast_of(picture))
         measured.add(odometer.advance(frame, picture, background(frame)))
         progress(frame + 1, max(frame_count, frame + 1))
     odometer.finish()
@@ -90,7 +98,8 @@ def find_camera_motion(
     kind = fixed or _kind(turns, camera, odometer, focal)
     path = None if kind == "static" else turns.path()
     error_px = np.where(known, measured.error_px, np.nan)
-    findings = tuple(_findings(measured, cuts, known, kind, odometer.shutter))
+    faded = are_faded(np.array(contrasts))
+    findings = tuple(_findings(measured, cuts, known, kind, odometer.shutter, faded))
     points = measured.points()
     return CameraMotion(kind, path, known, error_px, points, findings, focal, pieces)
 
@@ -147,9 +156,11 @@ def _findings(
     known: NDArray[np.bool_],
     kind: CameraKind,
     shutter: Shutter,
+    faded: NDArray[np.bool_],
 ) -> list[Finding]:
+    causes = ["" if k else c or "no_texture" for c, k in zip(measured.causes, known, strict=True)]
     causes = [
-        "" if k else cause or "no_texture" for cause, k in zip(measured.causes, known, strict=True)
+        "no_texture" if f and c == "not_rigid" else c for c, f in zip(causes, faded, strict=True)
     ]
     found = gaps(causes)
     found += [Finding("cut", frame, frame, 1.0) for frame in cuts]

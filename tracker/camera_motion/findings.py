@@ -43,6 +43,34 @@ FEWEST_SCENE = 5
 """Frames that points must be followed for, where nothing ties them to what was before."""
 
 
+LEAST_CONTRAST, MOST_CHANGE = 0.6, 0.15
+"""Of the film's usual contrast: with less a picture has faded; and by so much it changes over
+`NEAR` frames while it fades."""
+NEAR = 6
+FAINT_GREY = 4.0
+"""Standard deviation of the grey levels of a picture in which compression leaves nothing else."""
+EVERY = 5
+"""Rows and columns of which one is enough for the contrast."""
+
+
+def contrast_of(picture: NDArray[np.uint8]) -> float:
+    """The standard deviation of a picture's grey levels."""
+    return float(picture[::EVERY, ::EVERY].std())
+
+
+def are_faded(contrasts: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which pictures (N,) are faint, or fade, by their contrasts; NaN where one is not
+    known. What moves in such a picture is noise and compression."""
+    if not np.isfinite(contrasts).any():
+        return np.zeros(len(contrasts), np.bool_)
+    usual = float(np.nanmedian(contrasts))
+    faded = contrasts < max(FAINT_GREY, LEAST_CONTRAST * usual)
+    changes = np.abs(contrasts[NEAR:] - contrasts[:-NEAR]) > MOST_CHANGE * usual
+    faded[NEAR:] |= changes
+    faded[: len(changes)] |= changes
+    return np.asarray(faded)
+
+
 def scenes(
     anchor: NDArray[np.int64], known: NDArray[np.bool_], loose: Sequence[int], cuts: Sequence[int]
 ) -> tuple[NDArray[np.bool_], list[int], tuple[int, ...]]:

@@ -58,8 +58,6 @@ FARTHER = 1.2
 """By which the picture must have gone on for another pair to be kept."""
 SCENES = 3
 """Left ones that are tried again where the camera is lost."""
-MOST_FADED = 1.7
-"""Quotient of the contrasts of a picture and its anchor, either way, above which one has faded."""
 LITTLE = (32, 18)
 """Size of the pictures whose likeness tells a cut."""
 
@@ -340,8 +338,6 @@ class Odometer:
     def _lose(self, frame: int, usable: Mask | None, like: float) -> Measured:
         filled = usable is not None and usable.mean() < OPEN_SHARE
         cause: Cause = "body_fills" if filled else "not_rigid"
-        if not filled and self._points.contrast_ratio > MOST_FADED:
-            cause = "no_texture"
         if like < CUT_LIKENESS and self._cut < 0 and not filled:
             self._cut, cause = frame, "cut"
         settled = 0 <= self._cut < frame and like > SAME_LIKENESS

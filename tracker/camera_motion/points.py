@@ -206,14 +206,6 @@ class PointFollower:
         return 2 * _whole_shift(anchor.half, self._half) / self.scale
 
     @property
-    def contrast_ratio(self) -> float:
-        """How many times the contrast of one is that of the latest picture or of its anchor."""
-        assert self.anchor is not None
-        assert self._raw is not None
-        low, high = sorted(float(grey.std()) for grey in (self.anchor.grey, self._raw))
-        return high / max(low, 1e-3)
-
-    @property
     def look_height(self) -> int:
         """Rows of the pictures looked at."""
         return round(self.height * self.scale)

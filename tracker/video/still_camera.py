@@ -65,8 +65,13 @@ SHIFT_SIGMA_PX = 0.05
 """A cell has a known shift where noise would leave it no less certain than this."""
 NOISE_GREY = 1.0
 """What the smoothed pictures of a still scene differ by, grey levels, compression included."""
-LEAST_CONTRAST = 0.2
-"""Of the sampled frame that shows most; one that shows less is blank, or has all but faded."""
+BLANK_GREY, BLANK_SHARE = 1.0, 0.5
+"""A cell shows nothing where grey levels have a smaller standard deviation, and a frame is blank,
+or a title card, with no more than this of the cells that show something in the fullest one."""
+FADED, AS_LIKE, LITTLE = 0.6, 0.9, (32, 18)
+"""A frame has faded where it has less of the contrast of the one that has most, and correlates with
+the usual one, both made so small, nearly as the others do: what pans to the sky does not. What
+compression leaves of such a frame lies a pixel or two aside."""
 LEAST_GAIN = 0.1
 """A smaller change of contrast is no fade."""
 FITTED_EVERY, FIT_ROUNDS = 11, 5
@@ -126,13 +131,35 @@ def still_pictures(pictures: list[NDArray[np.uint8]]) -> StillCamera:
 
 def _evenly_bright(pictures: list[NDArray[np.uint8]]) -> list[NDArray[np.uint8]]:
     """The pictures that show something, freed of fades."""
-    contrasts = [float(picture.std()) for picture in pictures]
-    least = LEAST_CONTRAST * max(contrasts, default=0.0)
-    shown = sorted((c, k) for k, c in enumerate(contrasts) if c >= least)
+    fullness = [_fullness(picture) for picture in pictures]
+    fullest = max(fullness, default=0)
+    shown = [p for p, full in zip(pictures, fullness, strict=True) if full > BLANK_SHARE * fullest]
     if not shown:
         return []
-    usual = pictures[shown[len(shown) // 2][1]]
-    return [_as_bright_as(usual, pictures[k]) for k in sorted(k for _, k in shown)]
+    by_contrast = sorted(shown, key=lambda picture: float(picture.std()))
+    least = FADED * float(by_contrast[-1].std())
+    lasting = [picture for picture in by_contrast if picture.std() >= least]
+    usual = lasting[len(lasting) // 2]
+    alike = AS_LIKE * min(_likeness(usual, picture) for picture in lasting)
+    kept = [p for p in shown if p.std() >= least or _likeness(usual, p) < alike]
+    return [_as_bright_as(usual, picture) for picture in kept]
+
+
+def _fullness(picture: NDArray[np.uint8]) -> int:
+    """In how many cells a picture shows something."""
+    rows = np.array_split(picture, GRID)
+    return sum(c.std() >= BLANK_GREY for row in rows for c in np.array_split(row, GRID, axis=1))
+
+
+def _likeness(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
+    """The correlation of two pictures made so small that compression has left it."""
+    first, second = (
+        np.asarray(cv2.resize(p, LITTLE, interpolation=cv2.INTER_AREA), float) for p in (one, other)
+    )
+    spread = first.std() * second.std()
+    if spread == 0:
+        return 0.0
+    return float(((first - first.mean()) * (second - second.mean())).mean() / spread)
 
 
 def _as_bright_as(usual: NDArray[np.uint8], picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -122,6 +122,20 @@ def test_a_camera_that_stands_still_is_still_though_the_film_fades(name: str) ->
         assert not still_pictures([fade(p, frame) for p, frame in pictures]).still, moves
 
 
+def test_a_title_card_before_the_film_does_not_make_its_camera_move() -> None:
+    card = np.zeros_like(filmed()[0])
+    cv2.putText(card, "A FILM", (40, 200), cv2.FONT_HERSHEY_SIMPLEX, 1.5, (255,), 3)
+    pictures = [card if frame < 20 else filmed()[frame] for frame in sampled_frames(FRAMES)]
+    assert still_pictures(pictures).still
+
+
+def test_a_camera_that_pans_to_the_sky_does_not_stand_still() -> None:
+    height, width = filmed()[0].shape
+    sky = np.tile(np.linspace(215, 180, height)[:, None], (1, width))
+    shown = [filmed()[frame] for frame in sampled_frames(FRAMES)]
+    assert not still_pictures([*shown[:6], *(noisy(sky, seed) for seed in range(3))]).still
+
+
 def test_a_camera_that_trembles_less_than_a_tenth_of_a_pixel_is_still() -> None:
     assert still_pictures(moved(lambda frame: shifted(0.08 * (-1) ** frame, 0.0))).still
 
