@@ -28,8 +28,8 @@ _EXPORT_EXAMPLES = """\
   keypose export session.json --format csv,npz --out tables --overwrite
   keypose export session.json --format glb --rig mixamo --out rig
   keypose export session.json --format trc --filter 6Hz --fps 30 --frames 10-60 --out walk
-  keypose export session.json --format trc,mot --markers halpe26 --out walk
-  keypose export session.json --format mot --model Model_Pose2Sim_simple.osim --out walk
+  keypose export session.json --format trc,mot --markers halpe26 --out markers
+  keypose export session.json --format mot --model Model_Pose2Sim_simple.osim --out opensim
 """
 
 

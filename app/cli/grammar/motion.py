@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 _DRAFT_EXAMPLES = """\
   keypose draft jump.mp4 --out jump.keypose
-  keypose draft jump.mp4 --box 210,80,420,610 --frame 12 --frames 0-90 --body adult_female --out j
-  keypose draft jump.mp4 --accept --out jump.keypose
+  keypose draft jump.mp4 --box 210,80,420,610 --frame 12 --frames 0-45 --body adult_female --out j
+  keypose draft jump.mp4 --accept --out accepted
   keypose draft jump.keypose --accept
 """
 
@@ -76,7 +76,7 @@ _TRACK_EXAMPLES = """\
   keypose track session.json --json > events.jsonl
   keypose track session.json --method paper --initial templates --leave-out right_hand
   keypose track session.json --cues brightness
-  keypose track session.json --frames 40-159
+  keypose track session.json --frames 10-50
   keypose track session.json --ahead forward
 """
 
@@ -161,7 +161,7 @@ GOALS = (3, 5, 8, 12)
 
 _REVIEW_EXAMPLES = """\
   keypose review session.json
-  keypose review session.json --above 8 --frames 40-159
+  keypose review session.json --above 8 --frames 10-50
   keypose review session.json --json
 """
 
@@ -194,10 +194,10 @@ _SOURCES = ("tracked", "drafts", "imported")
 """As in app.editor.reduced, which would load more than help needs."""
 
 _REDUCE_EXAMPLES = """\
-  keypose reduce jump.keypose
-  keypose reduce jump.keypose --every 40 --frames 40-120
-  keypose reduce jump.keypose --tolerance 2cm
   keypose reduce jump.keypose --tolerance 4px --from drafts
+  keypose reduce jump.keypose
+  keypose reduce jump.keypose --every 40 --frames 10-60
+  keypose reduce jump.keypose --tolerance 2cm
   keypose reduce jump.keypose --limb left_forearm --dry-run
 """
 
@@ -366,7 +366,7 @@ _BATCH_EXAMPLES = """\
   keypose batch recordings
   keypose batch recordings --only outdated --export bvh,glb --out motion
   keypose batch */session.json --quality preview --workers 4 --json > events.jsonl
-  keypose batch films.csv --out motion --export bvh
+  keypose batch films.csv --out films --export bvh
   keypose batch /shared/recordings --scheduler tcp://10.0.0.1:8786
 
 A table has a row for each film and columns film, box, frame, frames, body, height, lens and others
@@ -444,8 +444,8 @@ def _add_workers(command: argparse.ArgumentParser, what: str) -> None:
 
 _RUN_EXAMPLES = """\
   keypose run jump.mp4 --out motion
-  keypose run jump.mp4 --box 210,80,420,610 --frame 12 --out motion --export bvh,glb
-  keypose run recordings --height 178 --out motion --export csv --json > events.jsonl
+  keypose run jump.mp4 --box 210,80,420,610 --frame 12 --out boxed --export bvh,glb
+  keypose run recordings --height 178 --out all --export csv --json > events.jsonl
 """
 
 
