@@ -9,6 +9,7 @@ from urllib.request import urlopen
 from keypose.app.cli.json_output import print_json
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.joint_kinds import KINDS
+from keypose.tracker.keypoints.known_person import ENOUGH, SEEN_JOINTS
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.model_files import (
     LARGEST_BYTES,
@@ -47,6 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(_facts(model))
     else:
         print(f"{model.name}: {model.path}")
+        for words in _seen_words(model):
+            print(words)
     return 0
 
 
@@ -102,6 +105,26 @@ def _kind(model: Model) -> str:
     assert heads is not None
     joints = len(LAYOUTS[heads.layout])
     return f"{KINDS[heads.kind].title}, {joints} joints, {heads.width} × {heads.height}"
+
+
+def _seen_words(model: Model) -> list[str]:
+    """What a network finds in the test picture, and what was decided for it."""
+    heads = model.heads
+    if heads is None or heads.finds is None:
+        return []
+    words = [f"It finds {heads.finds} of {SEEN_JOINTS} joints of a person in a test picture."]
+    if heads.levels is not None:
+        order, levels = "RGB" if heads.levels.rgb else "BGR", heads.levels
+        mean, std = (", ".join(f"{v:g}" for v in each) for each in (levels.mean, levels.std))
+        words.append(f"It is shown {order}, less {mean}, over {std}.")
+    if heads.finds < ENOUGH:
+        words.append(
+            "That is few: it may be of something else than people, or want its pictures prepared "
+            "in another way."
+        )
+    if heads.needs_fast:
+        words.append("OpenCV computes it otherwise: ONNX Runtime is used, on every computer.")
+    return words
 
 
 def _downloaded(model: Model) -> bytes:

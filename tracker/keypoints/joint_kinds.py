@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.model_files import JointKind
+from keypose.tracker.keypoints.model_files import JointHeads, JointKind, Levels
 from keypose.tracker.keypoints.runtimes import Tensor
 
 Size: TypeAlias = tuple[int, int]
@@ -55,13 +55,26 @@ _CIRCLE: Final = 0.8
 """The circle around the body, around which BlazePose's region leaves a margin. In an input of 3 : 4
 an upright person then is 0.71 of its height. Those networks were trained on boxes × 1.25, thus 0.8
 of the height, by up to a half larger and smaller; that much would cut off arms stretched out."""
-_MEAN = np.array([123.675, 116.28, 103.53], np.float32)[:, None, None]
-_STD = np.array([58.395, 57.12, 57.375], np.float32)[:, None, None]
-"""Of the levels in ImageNet, red first."""
+IMAGENET: Final = Levels(mean=(123.675, 116.28, 103.53), std=(58.395, 57.12, 57.375), rgb=True)
+"""Of the levels in ImageNet."""
+
+
+def shown(levels: Levels, picture: Tensor) -> Tensor:
+    """A picture (3, H, W), RGB from 0 to 255, as a network is shown it."""
+    mean, std = (np.array(each, np.float32)[:, None, None] for each in (levels.mean, levels.std))
+    channels = np.ascontiguousarray(picture if levels.rgb else picture[::-1])
+    return np.asarray((channels - mean) / std, dtype=np.float32)
+
+
+def prepared(heads: JointHeads, picture: Tensor) -> Tensor:
+    """The input of a network, of a picture (3, H, W), RGB from 0 to 255."""
+    if heads.levels is None:
+        return KINDS[heads.kind].prepared(picture)
+    return shown(heads.levels, picture)
 
 
 def _standardised(levels: Tensor) -> Tensor:
-    return (levels - _MEAN) / _STD
+    return shown(IMAGENET, levels)
 
 
 def _from_bins(outputs: Sequence[Tensor], size: Size) -> tuple[Array, Array]:

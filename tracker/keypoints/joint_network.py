@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.joint_kinds import KINDS
+from keypose.tracker.keypoints.joint_kinds import KINDS, prepared
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.model_files import JointHeads, Model, note_damaged, verified
 from keypose.tracker.keypoints.region import Region
@@ -41,6 +41,7 @@ class JointNetwork:
     def __init__(self, model: Model, heads: JointHeads, runtime: Runtime) -> None:
         self.names = LAYOUTS[heads.layout]
         self.fingerprint = f"{model.sha256[:16]}-{runtime.name}"
+        self._heads = heads
         self._kind = KINDS[heads.kind]
         self.doubted = self._kind.doubted
         self._size = heads.width, heads.height
@@ -82,7 +83,7 @@ class JointNetwork:
         how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         image = cv2.warpAffine(picture, to_picture, size, flags=how, borderValue=kind.outside)
         levels = np.ascontiguousarray(image.transpose(2, 0, 1), dtype=np.float32)
-        return self._runtime.run(kind.prepared(levels)), to_picture
+        return self._runtime.run(prepared(self._heads, levels)), to_picture
 
 
 def _in_picture(xy: Array, confidence: Array, to_picture: Array) -> SeenJoints:
@@ -94,9 +95,14 @@ def _in_picture(xy: Array, confidence: Array, to_picture: Array) -> SeenJoints:
 def open_heads(path: Path, heads: JointHeads, *, fast: bool | None = None) -> Runtime:
     """Read the file of a network of joints, as `open_runtime`."""
     kind = KINDS[heads.kind]
-    if kind.needs_fast and not fast_is_here(ONNX):
-        raise KeypointError(
-            f"{kind.title} needs ONNX Runtime, which is not installed: run "
-            "`pip install keypose[fast-pose]`."
-        )
-    return open_runtime(path, heads.outputs, fast=kind.needs_fast or fast)
+    needs_fast = kind.needs_fast or heads.needs_fast
+    if needs_fast and not fast_is_here(ONNX):
+        raise needs_onnx_runtime(kind.title if kind.needs_fast else f"The network {path.name!r}")
+    return open_runtime(path, heads.outputs, fast=needs_fast or fast)
+
+
+def needs_onnx_runtime(what: str) -> KeypointError:
+    """What is said where ONNX Runtime alone can run a network, and is not here."""
+    return KeypointError(
+        f"{what} needs ONNX Runtime, which is not installed: run `pip install keypose[fast-pose]`."
+    )

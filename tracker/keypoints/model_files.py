@@ -8,6 +8,7 @@ beside it says what it is.
 from __future__ import annotations
 
 import hashlib
+import operator
 import os
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Final, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
 from keypose.tracker.files import read_own, read_regular
@@ -28,13 +29,31 @@ LARGEST_NOTE_BYTES: Final = 2**16
 
 JointKind: TypeAlias = Literal["movenet", "simcc", "maps", "rtmo"]
 _Pixels: TypeAlias = Annotated[int, Field(ge=32, le=2048)]
+_Deviation: TypeAlias = Annotated[FiniteFloat, Field(gt=0)]
+
+
+def _is_none(value: object) -> bool:
+    return value is None
+
+
+class Levels(BaseModel):
+    """How a network is shown the levels of a picture, from 0 to 255: less the mean, over the
+    deviation, of each channel in the order in which it sees them. rgb: red first, else blue."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    mean: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+    std: tuple[_Deviation, _Deviation, _Deviation]
+    rgb: bool
 
 
 class JointHeads(BaseModel):
     """What a network of joints is shown, and what it answers with.
 
     layout: the order of its joints.  width, height: of its input.  outputs: in the order in which
-    its kind is decoded.
+    its kind is decoded.  levels: how it is shown a picture, where not as others of its kind.
+    needs_fast: whether OpenCV would answer otherwise than what it was trained with.
+    finds: how many joints of the person in the test picture it finds; None where nobody looked.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -44,6 +63,9 @@ class JointHeads(BaseModel):
     width: _Pixels
     height: _Pixels
     outputs: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...]
+    levels: Levels | None = Field(default=None, exclude_if=_is_none)
+    needs_fast: bool = Field(default=False, exclude_if=operator.not_)
+    finds: Annotated[int, Field(ge=0, le=17)] | None = Field(default=None, exclude_if=_is_none)
 
 
 class AddedNetwork(BaseModel):

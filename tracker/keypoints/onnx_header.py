@@ -1,10 +1,11 @@
-"""Read what an ONNX file says of its inputs and outputs, without running it.
+"""Read what an ONNX file says of its inputs, outputs and nodes, without running it.
 
 The file is a protobuf message; its fields are numbered as in onnx.proto.
 """
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
@@ -12,7 +13,11 @@ from typing import Final, TypeAlias
 Shape: TypeAlias = "tuple[int | None, ...]"
 """None where the file leaves a size open."""
 
-_GRAPH, _WEIGHTS, _INPUT, _OUTPUT = 7, 5, 11, 12
+_GRAPH, _SETS, _NODE, _WEIGHTS, _INPUT, _OUTPUT = 7, 8, 1, 5, 11, 12
+_SET_DOMAIN, _SET_VERSION = 1, 2
+_NODE_INPUT, _NODE_OUTPUT, _NODE_OPERATION, _NODE_ATTRIBUTE = 1, 2, 4, 5
+_ATTRIBUTE_NAME, _NUMBER, _WORD, _ARRAY, _SUBGRAPH, _NUMBERS = 1, 3, 4, 5, 6, 8
+_ARRAY_SIZES, _ARRAY_TYPE, _ARRAY_FLOATS, _ARRAY_RAW = 1, 2, 4, 9
 _NAME, _TYPE, _WEIGHTS_NAME = 1, 2, 8
 _TENSOR, _ELEMENTS, _SHAPE, _DIM, _SIZE = 1, 1, 2, 1, 1
 _FLOAT32: Final = 1
@@ -20,6 +25,8 @@ _VARINT, _BYTES = 0, 2
 _FIXED: Final = {1: 8, 5: 4}
 """Bytes of a field, by its wire type."""
 _LONGEST_VARINT: Final = 10
+_FEW_BYTES: Final = 1024
+"""Of constants whose values are read: scales, not weights."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,119 @@ def read_signature(content: bytes) -> Signature:
             of = inputs if number == _INPUT else outputs
             of[_text(_last(_message(value), _NAME))] = _shape(_message(value))
     return Signature({name: inputs[name] for name in inputs if name not in weights}, outputs)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """An array that the file holds. values: of float32 ones, empty of others."""
+
+    sizes: tuple[int, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Node:
+    """An operation. attributes: whole numbers, lists of them and words, by name; constants: of its
+    inputs, by place."""
+
+    operation: str
+    inputs: tuple[str, ...]
+    attributes: Mapping[str, int | tuple[int, ...] | str]
+    constants: Mapping[int, Constant]
+
+
+def read_nodes(content: bytes) -> tuple[list[Node], int]:
+    """All operations, also of graphs within operations, and the version of the operator set.
+    ValueError where it is no ONNX file, or a part of one."""
+    whole = memoryview(content)
+    version = 1
+    for number, value in _fields(whole):
+        if number == _SETS:
+            of = dict(_fields(_message(value)))
+            domain = _text(_message(of.get(_SET_DOMAIN, memoryview(b""))))
+            found = of.get(_SET_VERSION, 1)
+            if domain in ("", "ai.onnx") and isinstance(found, int):
+                version = found
+    return list(_nodes(_last(whole, _GRAPH), {})), version
+
+
+def _nodes(graph: memoryview, known: Mapping[str, Constant]) -> Iterator[Node]:
+    constants = dict(known)
+    for number, value in _fields(graph):
+        if number == _WEIGHTS:
+            array = _message(value)
+            constants[_text(_last(array, _WEIGHTS_NAME))] = _constant(array)
+    for number, value in _fields(graph):
+        if number == _NODE:
+            yield from _node(_message(value), constants)
+
+
+def _node(message: memoryview, constants: dict[str, Constant]) -> Iterator[Node]:
+    """A node, and those of the graphs within it; what a Constant holds is known from there on."""
+    inputs, outputs, operation = [], [], ""
+    attributes: dict[str, int | tuple[int, ...] | str] = {}
+    for number, value in _fields(message):
+        if number == _NODE_INPUT:
+            inputs.append(_text(_message(value)))
+        elif number == _NODE_OUTPUT:
+            outputs.append(_text(_message(value)))
+        elif number == _NODE_OPERATION:
+            operation = _text(_message(value))
+        elif number == _NODE_ATTRIBUTE:
+            attribute = _message(value)
+            name = _text(_last(attribute, _ATTRIBUTE_NAME))
+            attributes |= _attribute(name, attribute)
+            if subgraph := _last(attribute, _SUBGRAPH):
+                yield from _nodes(subgraph, constants)
+            if operation == "Constant" and (array := _last(attribute, _ARRAY)) and outputs:
+                constants[outputs[0]] = _constant(array)
+    held = {place: constants[name] for place, name in enumerate(inputs) if name in constants}
+    yield Node(operation, tuple(inputs), attributes, held)
+
+
+def _attribute(name: str, message: memoryview) -> dict[str, int | tuple[int, ...] | str]:
+    numbers = _numbers(message, _NUMBERS)
+    for number, value in _fields(message):
+        if number == _NUMBER and isinstance(value, int):
+            return {name: _signed(value)}
+        if number == _WORD:
+            return {name: _text(_message(value))}
+    return {name: numbers} if numbers else {}
+
+
+def _constant(array: memoryview) -> Constant:
+    sizes, floats = _numbers(array, _ARRAY_SIZES), _last_or_none(array, _ARRAY_FLOATS)
+    is_float = (_ARRAY_TYPE, _FLOAT32) in _fields(array)
+    raw = _last(array, _ARRAY_RAW) if floats is None else floats
+    if not is_float or len(raw) > _FEW_BYTES or len(raw) % 4:
+        return Constant(sizes, ())
+    return Constant(sizes, struct.unpack(f"<{len(raw) // 4}f", raw))
+
+
+def _last_or_none(message: memoryview, wanted: int) -> memoryview | None:
+    found = _last(message, wanted)
+    return found if len(found) else None
+
+
+def _numbers(message: memoryview, wanted: int) -> tuple[int, ...]:
+    """Whole numbers of a field, one by one or packed."""
+    found: list[int] = []
+    for number, value in _fields(message):
+        if number != wanted:
+            continue
+        if isinstance(value, int):
+            found.append(_signed(value))
+            continue
+        at = 0
+        while at < len(value):
+            packed, at = _varint(value, at)
+            found.append(_signed(packed))
+    return tuple(found)
+
+
+def _signed(value: int) -> int:
+    """A number of 64 bits, which may be negative."""
+    return value - 2**64 if value >= 2**63 else value
 
 
 def _shape(value: memoryview) -> Shape | None:

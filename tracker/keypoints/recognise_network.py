@@ -10,32 +10,68 @@ import numpy as np
 from pydantic import ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
-from keypose.tracker.keypoints.joint_kinds import KINDS
-from keypose.tracker.keypoints.joint_network import open_heads
+from keypose.tracker.keypoints.joint_kinds import KINDS, prepared
+from keypose.tracker.keypoints.joint_network import needs_onnx_runtime, open_heads
+from keypose.tracker.keypoints.known_person import seen_on_person
 from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.mmdeploy import levels_of
 from keypose.tracker.keypoints.model_files import JointHeads, JointKind
 from keypose.tracker.keypoints.onnx_header import Shape, Signature, read_signature
-from keypose.tracker.keypoints.runtimes import cannot_run
+from keypose.tracker.keypoints.opencv_nodes import differing_operation
+from keypose.tracker.keypoints.runtimes import (
+    ONNX,
+    Runtime,
+    Tensor,
+    cannot_run,
+    fast_is_here,
+    open_runtime,
+)
 
 _LAYOUTS: Final = ("COCO_17", "HALPE_26", "COCO_WHOLEBODY_133")
 _OF_A_HAND: Final = 21
+ALIKE: Final = 0.01
+"""A share by which two libraries may differ on noise."""
 _USUAL: Final = (256, 192)
 """Height and width of ViTPose's input where the file leaves them open."""
 
 
-def recognised(path: Path, content: bytes, source: str) -> JointHeads:
-    """What a network of joints is shown and answers with. It is run once, on a blank picture.
+def recognised(
+    path: Path, content: bytes, source: str, pipeline: bytes | None = None
+) -> JointHeads:
+    """What a network of joints is shown and answers with. It is run on a blank picture, on noise
+    where both libraries are here, and on one of a person.
 
-    path, content: of the ONNX file.  source: what it is called in a sentence.
+    path, content: of the ONNX file.  source: what it is called in a sentence.  pipeline: the
+    `pipeline.json` that lies beside it.
     KeypointError in one sentence where it is no such network, or cannot be run here.
     """
     heads = promised(content, source)
+    if (differs := differing_operation(content)) is not None:
+        if not fast_is_here(ONNX):
+            raise needs_onnx_runtime(f"{source} has {differs}, which OpenCV computes otherwise: it")
+        heads = heads.model_copy(update={"needs_fast": True})
+    if pipeline is not None:
+        levels = levels_of(pipeline, (heads.width, heads.height), source)
+        heads = heads.model_copy(update={"levels": levels})
     runtime = open_heads(path, heads)
+    heads = _with_layout(heads, _run_blank(runtime, heads, source), content, source)
+    if not heads.needs_fast and not KINDS[heads.kind].needs_fast and fast_is_here(ONNX):
+        heads = heads.model_copy(update={"needs_fast": _differ_on_noise(path, heads)})
+    return seen_on_person(heads, runtime)
+
+
+def _run_blank(runtime: Runtime, heads: JointHeads, source: str) -> list[Tensor]:
     blank = np.zeros((3, heads.height, heads.width), np.float32)
     try:
-        found = runtime.run(KINDS[heads.kind].prepared(blank))
+        return runtime.run(prepared(heads, blank))
     except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
         raise cannot_run(source, runtime.name, error) from None
+
+
+def _with_layout(
+    heads: JointHeads, found: Sequence[Tensor], content: bytes, source: str
+) -> JointHeads:
+    """The same with the order of its joints, by how many there are."""
     shapes = [output.shape for output in found]
     count = _count(heads, shapes)
     if count is None:
@@ -50,6 +86,26 @@ def recognised(path: Path, content: bytes, source: str) -> JointHeads:
             "(COCO), 26 (Halpe) or 133 joints (COCO-WholeBody)."
         )
     return JointHeads.model_validate({**heads.model_dump(), "layout": layout})
+
+
+def _differ_on_noise(path: Path, heads: JointHeads) -> bool:
+    """Whether OpenCV answers otherwise than ONNX Runtime, or not at all."""
+    levels = np.random.default_rng(0).uniform(0, 255, (3, heads.height, heads.width))
+    shown = prepared(heads, levels.astype(np.float32))
+    expected = open_runtime(path, heads.outputs, fast=True).run(shown)
+    try:
+        found = open_runtime(path, heads.outputs, fast=False).run(shown)
+    except Exception:  # noqa: BLE001  then only the other one runs it, which is what is asked
+        return True
+    return not all(
+        mine.shape == theirs.shape
+        and np.allclose(mine, theirs, rtol=ALIKE, atol=ALIKE * _range(theirs))
+        for mine, theirs in zip(found, expected, strict=True)
+    )
+
+
+def _range(values: Tensor) -> float:
+    return float(np.ptp(values)) if values.size else 0.0
 
 
 def promised(content: bytes, source: str) -> JointHeads:
@@ -69,7 +125,7 @@ def _heads(signature: Signature) -> JointHeads | None:
     names = set(signature.outputs)
     kind: JointKind | None = next(
         (kind for kind, each in KINDS.items() if each.outputs and names >= set(each.outputs)),
-        "maps" if len(names) == 1 else None,
+        "maps" if len(names) == 1 else "simcc" if _are_bins(signature) else None,
     )
     shapes = list(signature.inputs.values())
     if kind is None or len(shapes) != 1 or shapes[0] is None or len(shapes[0]) != 4:
@@ -77,7 +133,8 @@ def _heads(signature: Signature) -> JointHeads | None:
     _, levels, height, width = shapes[0]
     if kind == "maps" and (height, width) == (None, None):
         height, width = _USUAL
-    outputs = KINDS[kind].outputs or tuple(names)
+    named = KINDS[kind].outputs
+    outputs = named if names >= set(named) and named else tuple(signature.outputs)
     if levels not in (3, None):
         return None
     try:
@@ -92,6 +149,22 @@ def _heads(signature: Signature) -> JointHeads | None:
         )
     except ValidationError:  # no size, or none of a picture
         return None
+
+
+def _are_bins(signature: Signature) -> bool:
+    """Whether two outputs, however they are called, are of each joint the columns, then the rows of
+    the input, in equal parts of a pixel."""
+    shapes, inputs = list(signature.outputs.values()), list(signature.inputs.values())
+    if len(shapes) != 2 or len(inputs) != 1 or inputs[0] is None or len(inputs[0]) != 4:
+        return False
+    (_, _, height, width), (columns, rows) = inputs[0], shapes
+    if columns is None or rows is None or len(columns) != 3 or len(rows) != 3:
+        return False
+    sizes = (height, width, columns[2], rows[2])
+    if any(size is None for size in sizes) or columns[1] != rows[1]:
+        return False
+    high, wide, across, down = (size or 0 for size in sizes)
+    return wide > 0 and across % wide == 0 and across * high == down * wide
 
 
 def _count(heads: JointHeads, shapes: Sequence[tuple[int, ...]]) -> int | None:

@@ -26,6 +26,10 @@ _FAST: Final = {TFLITE: "ai-edge-litert", ONNX: "onnxruntime"}
 """By a file's suffix the package that runs it fast."""
 
 
+_SILENT: Final = 0
+"""OpenCV's level of logging at which it prints nothing."""
+
+
 class Runtime(Protocol):
     """A network that has been read. name: of what runs it, with its version."""
 
@@ -140,11 +144,18 @@ class _OnnxRuntime:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """OpenCV prints nothing of what it raises as well."""
-    before = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    before = _set_log_level(_SILENT)
     try:
         yield
     finally:
-        cv2.utils.logging.setLogLevel(before)
+        _set_log_level(before)
+
+
+def _set_log_level(level: int) -> int:
+    """Set how much OpenCV prints; how much it did before. OpenCV 4 has it in another place."""
+    here: Any = cv2 if hasattr(cv2, "setLogLevel") else cv2.utils.logging
+    before: int = here.setLogLevel(level)
+    return before
 
 
 _threads_lock = threading.Lock()

@@ -30,6 +30,8 @@ from keypose.tracker.storage.atomic import make_folder, write_file
 
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
 _IN_ZIP: Final = "end2end.onnx"
+_PIPELINE: Final = "pipeline.json"
+LARGEST_PIPELINE_BYTES: Final = 2**20
 _OF_ANIMALS: Final = "ap10k"
 """In the names of networks trained on AP-10K, whose 17 joints are as many as a person's."""
 _TIGHTEST: Final = 20
@@ -80,13 +82,14 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
         )
     if _OF_ANIMALS in re.sub(r"[\W_]", "", path.name).lower():
         raise KeypointError(f"{source} is a network of animals: only those of people are read.")
+    pipeline = None
     if content.startswith(_ZIP):
-        content = _unzipped(content, source)
+        content, pipeline = _unzipped(content, source)
         digest = hashlib.sha256(content).hexdigest()
     with tempfile.TemporaryDirectory(prefix="keypose-") as folder:
         file = Path(folder) / f"{name}.onnx"
         write_file(file, content, error=KeypointError)
-        heads = recognised(file, content, source)
+        heads = recognised(file, content, source, pipeline)
     size_mb = round(len(content) / 1e6, 1)
     added = AddedNetwork(name=name, sha256=digest, size_mb=size_mb, heads=heads)
     place = added_file(name)
@@ -145,21 +148,20 @@ def _unpacked(model: Model, content: bytes, source: str) -> bytes:
     raise KeypointError(f"{source} holds no {model.file}.")
 
 
-def _unzipped(content: bytes, source: str) -> bytes:
-    """The network's file in a .zip. Nothing is written by the names in it."""
+def _unzipped(content: bytes, source: str) -> tuple[bytes, bytes | None]:
+    """The network's file in a .zip, and what lies beside it of how it is shown pictures. Nothing is
+    written by the names in it."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            found = [entry for entry in archive.infolist() if _is_network(entry.filename)]
+            found = [entry for entry in archive.infolist() if _is_called(entry.filename, _IN_ZIP)]
             if len(found) != 1:
                 raise KeypointError(f"{source} holds {len(found) or 'no'} {_IN_ZIP}.")
-            size, packed = found[0].file_size, found[0].compress_size
-            if size > LARGEST_BYTES or (size > _SMALL_BYTES and size > _TIGHTEST * packed):
-                raise KeypointError(
-                    f"The {_IN_ZIP} in {source} unpacks to {size / 2**20:,.0f} MB: read are up to "
-                    f"{LARGEST_BYTES / 2**20:.0f} MB, packed by no more than {_TIGHTEST} to 1."
-                )
-            with archive.open(found[0]) as file:
-                return file.read(size)  # never more, whatever it unpacks to
+            beside = str(PurePosixPath(found[0].filename).with_name(_PIPELINE))
+            pipelines = [e for e in archive.infolist() if str(PurePosixPath(e.filename)) == beside]
+            pipeline = None
+            if pipelines:
+                pipeline = _entry(archive, pipelines[0], source, LARGEST_PIPELINE_BYTES)
+            return _entry(archive, found[0], source, LARGEST_BYTES), pipeline
     except (
         *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
         *(RuntimeError, NotImplementedError, OverflowError, ValueError),  # encrypted, odd, wrong
@@ -167,6 +169,18 @@ def _unzipped(content: bytes, source: str) -> bytes:
         raise KeypointError(f"{source} is damaged: it cannot be unpacked.") from None
 
 
-def _is_network(name: str) -> bool:
+def _entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, source: str, largest: int) -> bytes:
+    name = PurePosixPath(entry.filename).name
+    size, packed = entry.file_size, entry.compress_size
+    if size > largest or (size > _SMALL_BYTES and size > _TIGHTEST * packed):
+        raise KeypointError(
+            f"The {name} in {source} unpacks to {size / 2**20:,.0f} MB: read are up to "
+            f"{largest / 2**20:.0f} MB, packed by no more than {_TIGHTEST} to 1."
+        )
+    with archive.open(entry) as file:
+        return file.read(size)  # never more, whatever it unpacks to
+
+
+def _is_called(name: str, wanted: str) -> bool:
     path = PurePosixPath(name)
-    return path.name == _IN_ZIP and not path.is_absolute() and ".." not in path.parts
+    return path.name == wanted and not path.is_absolute() and ".." not in path.parts

@@ -171,9 +171,10 @@ def _person(path: Path) -> Html | None:
         content = np.frombuffer(read_own(path, LARGEST_PICTURE_BYTES), np.uint8)
     except OSError:
         return None
-    picture = cv2.imdecode(content, cv2.IMREAD_COLOR_RGB)
+    picture = cv2.imdecode(content, cv2.IMREAD_COLOR)
     if picture is None:
         return None
+    picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
     words = "The person that was found"
     caption = element("figcaption", element("b", words))
     return element("figure", embedded(np.asarray(picture, np.uint8), words), caption)

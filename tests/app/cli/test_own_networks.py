@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import re
 import shutil
 import zipfile
 from contextlib import nullcontext
@@ -16,7 +17,7 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints import model_files
+from keypose.tracker.keypoints import joint_network, model_files, recognise_network, runtimes
 from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.model_files import FULL, THUNDER, Model, added_folder, find_model
 from keypose.tracker.session.settings import ALL_CUES
@@ -306,3 +307,73 @@ def test_another_file_takes_its_place(tmp_path: Path) -> None:
     assert (before.sha256, after.sha256) == tuple(
         hashlib.sha256(each).hexdigest() for each in (SIMCC, tiny.maps())
     )
+
+
+PIPELINE = json.dumps(
+    {
+        "pipeline": {
+            "tasks": [
+                {
+                    "name": "Preprocess",
+                    "transforms": [
+                        {"type": "Normalize", "mean": [0, 0, 0], "std": [255] * 3, "to_rgb": False}
+                    ],
+                }
+            ]
+        }
+    }
+).encode()
+
+
+def test_a_zip_is_shown_pictures_as_its_pipeline_says_and_what_it_finds_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert add(tmp_path, zipped(("a/pipeline.json", PIPELINE), ("a/end2end.onnx", SIMCC))) == 0
+    heads = find_model("mine").heads
+    assert heads is not None
+    assert heads.levels is not None
+    assert (heads.levels.rgb, heads.levels.std) == (False, (255.0, 255.0, 255.0))
+    out = capsys.readouterr().out
+    assert re.search(r"It finds \d+ of 17 joints of a person in a test picture\.", out)
+    assert "It is shown BGR, less 0, 0, 0, over 255, 255, 255." in out
+
+
+def test_a_pipeline_elsewhere_in_the_zip_does_not_count(tmp_path: Path) -> None:
+    assert add(tmp_path, zipped(("b/pipeline.json", PIPELINE), ("a/end2end.onnx", SIMCC))) == 0
+    heads = find_model("mine").heads
+    assert heads is not None
+    assert heads.levels is None
+
+
+def test_bins_are_told_by_their_shape_whatever_they_are_called(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert add(tmp_path, tiny.simcc(names=("output", "1337"))) == 0
+    heads = find_model("mine").heads
+    assert heads is not None
+    assert (heads.kind, heads.outputs) == ("simcc", ("output", "1337"))
+
+
+def test_what_opencv_computes_otherwise_needs_the_other_library(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    content = tiny.simcc(also=[tiny.node("Softmax", ["seen"], "unasked", axis=1)])
+    for module in (joint_network, recognise_network, runtimes):
+        monkeypatch.setattr(module, "fast_is_here", lambda suffix: False)
+    assert add(tmp_path, content) == 2
+    words = capsys.readouterr().err
+    assert "has Softmax of operator set 11, which OpenCV computes otherwise" in words
+    assert "pip install keypose[fast-pose]" in words
+
+
+@pytest.mark.skipif(not runtimes.fast_is_here(runtimes.ONNX), reason="ONNX Runtime is not here")
+def test_where_it_is_here_it_is_used_and_that_is_kept(tmp_path: Path) -> None:
+    content = tiny.simcc(also=[tiny.node("Softmax", ["seen"], "unasked", axis=1)])
+    assert add(tmp_path, content) == 0
+    heads = find_model("mine").heads
+    assert heads is not None
+    assert heads.needs_fast
+    assert add(tmp_path, SIMCC) == 0
+    heads = find_model("mine").heads
+    assert heads is not None
+    assert not heads.needs_fast

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
 _FLOAT32, _INT64 = 1, 7
-_INT, _INTS = 2, 7
+_INT, _TEXT, _INTS = 2, 3, 7
 """Types of attributes."""
 
 
@@ -25,18 +25,23 @@ def field(number: int, value: int | str | bytes) -> bytes:
 
 
 def _varint(value: int) -> bytes:
+    value %= 2**64  # negative ones as 64 bits have them
     low = value & 0x7F
     return bytes([low]) if value < 0x80 else bytes([low | 0x80]) + _varint(value >> 7)
 
 
 def node(
-    operation: str, inputs: Sequence[str], output: str, **attributes: list[int] | int
+    operation: str, inputs: Sequence[str], output: str, **attributes: list[int] | int | str
 ) -> bytes:
     written = b"".join(field(1, name) for name in inputs) + field(2, output) + field(4, operation)
     for name, value in attributes.items():
-        many = isinstance(value, list)
-        numbers = b"".join(field(8, n) for n in value) if many else field(3, value)
-        written += field(5, field(1, name) + numbers + field(20, _INTS if many else _INT))
+        if isinstance(value, list):
+            content, kind = b"".join(field(8, n) for n in value), _INTS
+        elif isinstance(value, str):
+            content, kind = field(4, value), _TEXT
+        else:
+            content, kind = field(3, value), _INT
+        written += field(5, field(1, name) + content + field(20, kind))
     return written
 
 
@@ -45,7 +50,9 @@ def model(
     weights: Mapping[str, Array],
     inputs: Mapping[str, tuple[int | str, ...]],
     outputs: Mapping[str, tuple[int | str, ...]],
+    version: int = 11,
 ) -> bytes:
+    """version: of the operator set."""
     graph = b"".join(field(1, each) for each in nodes) + field(2, "tiny")
     for name, array in weights.items():
         sizes = b"".join(field(1, size) for size in array.shape)
@@ -54,7 +61,7 @@ def model(
     for number, named in ((11, inputs), (12, outputs)):
         for name, shape in named.items():
             graph += field(number, _value(name, shape))
-    return field(1, 6) + field(7, graph) + field(8, field(1, "") + field(2, 11))
+    return field(1, 6) + field(7, graph) + field(8, field(1, "") + field(2, version))
 
 
 def _value(name: str, shape: tuple[int | str, ...]) -> bytes:
@@ -76,17 +83,26 @@ def _between(cells: int, places: Array) -> Array:
 
 
 def simcc(
-    count: int = 17, width: int = 192, height: int = 256, batch: int | str = "batch"
+    count: int = 17,
+    width: int = 192,
+    height: int = 256,
+    batch: int | str = "batch",
+    names: tuple[str, str] = ("simcc_x", "simcc_y"),
+    also: Sequence[bytes] = (),
 ) -> bytes:
-    """As RTMPose: the brightest of each column and row, twice as many of them as pixels."""
+    """As RTMPose: the brightest of each column and row, twice as many of them as pixels.
+
+    also: operations whose outputs nobody asks for.
+    """
     nodes = [node("Conv", ["input", "levels"], "seen")]
     weights = {"levels": _levels(count)}
     outputs = {}
-    for axis, side, over in (("x", width, 2), ("y", height, 3)):
+    nodes += also
+    for axis, side, over, name in (("x", width, 2, names[0]), ("y", height, 3, names[1])):
         weights[f"to_{axis}"] = _between(side, np.arange(2 * side) / 2)
         nodes.append(node("ReduceMax", ["seen"], axis, axes=[over], keepdims=0))
-        nodes.append(node("MatMul", [axis, f"to_{axis}"], f"simcc_{axis}"))
-        outputs[f"simcc_{axis}"] = (batch, count, 2 * side)
+        nodes.append(node("MatMul", [axis, f"to_{axis}"], name))
+        outputs[name] = (batch, count, 2 * side)
     return model(nodes, weights, {"input": (batch, 3, height, width)}, outputs)
 
 
