@@ -51,6 +51,12 @@ FEWEST_KEPT = STRETCH
 """A draft that is cancelled keeps what it has found from so many frames on."""
 
 
+PERCENT_OF_FRAMES = 1000
+"""Of more frames a per cent is so many that a tenth of it is shown, too."""
+FRAMES_BETWEEN = 10
+"""Frames from one report of progress to the next, at most."""
+
+
 class Drafted(NamedTuple):
     """The drafts, the fingerprint of the network, and first and last of the frames whose keypoints
     were detected: None where these are all."""
@@ -62,7 +68,8 @@ class Drafted(NamedTuple):
 
 @dataclass
 class DraftReporter:
-    """Passes progress on, once for every further per cent of the whole, and leaves when cancelled.
+    """Passes progress on, once for every further per cent of the whole or ten frames, whichever is
+    less, and leaves when cancelled.
 
     A stage may find out that there is more to do: meanwhile nothing is reported.
     """
@@ -70,13 +77,17 @@ class DraftReporter:
     report: Callable[[DraftProgress], None]
     cancelled: Callable[[], bool]
     reported: float = -1.0
+    frames: int = 0
 
     def __call__(self, progress: DraftProgress) -> None:
         if self.cancelled():
             raise Cancelled
         share, _ = progress_of(progress)
-        if share >= self.reported + 0.01 or (share >= 1 and share > self.reported):
-            self.reported = share
+        is_more = share > self.reported
+        self.frames = min(self.frames, progress.done)  # the next stage counts anew
+        is_due = share >= self.reported + 0.01 or progress.done >= self.frames + FRAMES_BETWEEN
+        if is_more and (is_due or share >= 1):
+            self.reported, self.frames = share, progress.done
             self.report(progress)
 
 
@@ -279,7 +290,8 @@ def progress_of(progress: DraftProgress) -> tuple[float, str]:
     """Return the share and words. The network takes most of the time."""
     share = progress.done / max(progress.expected, 1)
     if progress.stage == "keypoints":  # at frames from before and from after them, some twice
-        return NETWORK_SHARE * share, f"Looking for the person: {100 * share:.0f} %"
+        digits = 0 if progress.expected <= PERCENT_OF_FRAMES else 1
+        return NETWORK_SHARE * share, f"Looking for the person: {100 * share:.{digits}f} %"
     words = f"Posing: {progress.done} of {progress.expected} frames"
     return NETWORK_SHARE + (1 - NETWORK_SHARE) * share, words
 

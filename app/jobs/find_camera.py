@@ -112,9 +112,8 @@ class FindCamera(Fit):
             context.leave_when_cancelled()
             now = time.monotonic() - began
             if now - said > REPORTS_S:
-                said = now
-                left = now * (1 - share) / share if share > 0 else None
-                context.report(share, "", seconds_left=left)
+                said = now  # how many passes there will be nobody knows, nor when they are done
+                context.report(share, "")
 
         video = context.cache.video(session, self.video_path)
         poses = camera_motion.known_poses(session, self.fitting)

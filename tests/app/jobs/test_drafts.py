@@ -11,10 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.app.document.new import new_session
-from keypose.app.jobs.draft import DraftClip, drafted
+from keypose.app.jobs.draft import DraftClip, DraftReporter, drafted
 from keypose.app.jobs.job import Failed, Finished, Progress, Report
 from keypose.app.jobs.worker_cache import WorkerCache
-from keypose.tracker.fitting.draft import clip
+from keypose.tracker.fitting.draft import DraftProgress, clip
 from keypose.tracker.keypoints import model_files
 from keypose.tracker.session import Session
 from keypose.tracker.video import Video
@@ -149,3 +149,15 @@ def test_a_network_that_is_not_here_is_one_sentence_that_says_how_to_add_it(
     (end,) = reported(order(named))
     assert isinstance(end, Failed)
     assert end.words.endswith("`keypose models add mine --from FILE --sha256 DIGEST`.")
+
+
+@pytest.mark.parametrize("frames", [40, 9_600, 120_000])
+def test_progress_of_a_draft_is_told_every_ten_frames_however_long_the_film(frames: int) -> None:
+    told: list[int] = []
+    reporter = DraftReporter(lambda progress: told.append(progress.done), lambda: False)
+    for done in range(frames + 1):
+        reporter(DraftProgress("keypoints", done, frames))
+    assert told[0] == 0
+    assert told[-1] == frames
+    assert max(np.diff(told)) <= 10
+    assert len(told) <= max(101, frames // 10 + 2)
