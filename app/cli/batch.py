@@ -13,6 +13,7 @@ from keypose.app.cli.many import asked_of, motion_order_of, require_free, run_ta
 from keypose.app.jobs.batch.films import is_table, placed, read_table
 from keypose.app.jobs.batch.finding import common_folder, find_sessions, name_of
 from keypose.app.jobs.batch.journal import Journal
+from keypose.app.jobs.batch.make_session import is_made_here
 from keypose.app.jobs.batch.run_one import export_of
 from keypose.app.jobs.batch.task import Task
 from keypose.app.orders.tracking import TrackOrder
@@ -59,7 +60,8 @@ def _task(
         place = None if of_film else out  # a film's session lies there itself
         order = motion_order_of(arguments)
         export = export_of(task.session, folder, place, arguments.export, order)
-        require_free(export, task.session, arguments, journal)
+        if not (of_film and is_made_here(task.session)):  # exported by an earlier one of these
+            require_free(export, task.session, arguments, journal)
     done = str(task.session) in journal.done
     return replace(
         task,

@@ -9,6 +9,7 @@ from keypose.app.cli.arguments import film_orders_of, order_of
 from keypose.app.cli.many import asked_of, motion_order_of, require_free, run_tasks, workers_of
 from keypose.app.jobs.batch.films import PlacedFilm, films_in, placed
 from keypose.app.jobs.batch.journal import Journal
+from keypose.app.jobs.batch.make_session import is_made_here
 from keypose.app.jobs.batch.run_one import export_of
 from keypose.app.jobs.batch.task import Task
 from keypose.app.orders.film import FilmOrder, FilmToDraft
@@ -33,7 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
         export = None
         if arguments.export:
             export = export_of(row.session, out, None, arguments.export, order)
-            require_free(export, row.session, arguments, journal)
+            if not is_made_here(row.session):  # what an earlier run exported is this one's
+                require_free(export, row.session, arguments, journal)
         return Task(
             row.session,
             order_of(TrackOrder, arguments),

@@ -15,7 +15,12 @@ import cv2
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from keypose.app.editor.drafted import missing_frames, proposed_frames, with_accepted
+from keypose.app.editor.drafted import (
+    missing_frames,
+    proposed_frames,
+    require_draftable,
+    with_accepted,
+)
 from keypose.app.export.report.images import jpeg
 from keypose.app.jobs.batch.task import Stage, Step, Task
 from keypose.app.jobs.draft import drafted, progress_of
@@ -56,7 +61,7 @@ RECORD: Final = "person.json"
 PICTURE: Final = "person.jpg"
 """Beside the session, the frame of the box with the box."""
 LARGEST_RECORD_BYTES: Final = 2**16
-PICTURE_PX: Final = 640
+PICTURE_PX: Final = 360
 BOX_RGB: Final = (64, 200, 120)
 SendStep: TypeAlias = Callable[[Step], None]
 
@@ -146,6 +151,7 @@ def _drafted(
             report = _sender(send, "person", stop)
             who = who_is_drafted(film.order, session, video, report)
             record = _begin_record(task, film, who, video)
+        require_draftable(session, record.frame, record.box, frames)
         who = WhoIsDrafted(record.frame, record.box)
         if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
             session = session.with_up(lines.up_camera)

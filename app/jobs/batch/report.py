@@ -148,7 +148,8 @@ def _decided(summary: Summary) -> list[Child]:
     if summary.person is not None:
         pieces.append(_person(Path(summary.person)))
     if summary.notes:
-        pieces.append(element("ul", *(element("li", words) for words in summary.notes)))
+        notes = (element("li", words) for words in summary.notes)
+        pieces.append(element("ul", *notes, style=f"{APART}; margin-bottom: 16px"))
     if not summary.places:
         return pieces
     head = (element("th", t) for t in ("Frame", "Part", "Expected error", "Reason"))
@@ -162,7 +163,8 @@ def _decided(summary: Summary) -> list[Child]:
         element("tbody", *rows),
         class_="rows",
     )
-    return [*pieces, element("h3", "To review"), element("div", table, class_="scroll")]
+    review = element("div", table, class_="scroll", style="margin-bottom: 16px")
+    return [*pieces, element("h3", "To review"), review]
 
 
 def _person(path: Path) -> Html | None:

@@ -202,7 +202,8 @@ def test_a_batch_takes_the_films_of_a_table_beside_saved_sessions(
     assert (out / "jump.keypose" / "motion.trc").is_file()
     assert load_session(saved).subject.results is not None
     assert "2 of 2 sessions done" in capsys.readouterr().out
-    assert main([str(word) for word in (*batch, "--overwrite")]) in (0, 1)
+    (out / "saved" / "a" / "motion.trc").unlink()
+    assert main([str(word) for word in batch]) in (0, 1)
     assert re.search(r"^jump +up to date", capsys.readouterr().out, re.M)
 
 
@@ -268,7 +269,29 @@ def test_other_options_for_a_session_that_is_there_are_refused_unless_it_is_begu
     assert path.with_name("session.json.previous").is_file()
 
 
-def test_a_damaged_record_is_said(film: Path, tmp_path: Path) -> None:
+RECORDS = {
+    "{}": "is damaged",
+    '{"asked": {}, "frame": 0, "box": [0, 0, 1e999, 9]}': "made with other options",
+    '{"asked": ASKED, "frame": 0, "box": [0, 0, NaN, 9]}': "is no number",
+    '{"asked": ASKED, "frame": 900, "box": [0, 0, 9, 9]}': "must be one of those to draft",
+}
+
+
+@pytest.mark.parametrize("record", RECORDS)
+def test_a_record_that_cannot_be_true_is_said(film: Path, tmp_path: Path, record: str) -> None:
     path = begun_by_hand(film, tmp_path)
-    path.with_name(make_session.RECORD).write_text("{}")
-    assert "is damaged" in run_task(task(film, path), lambda step: None, Event()).words
+    asked = json.dumps({"order.frames": str(FRAMES)})
+    path.with_name(make_session.RECORD).write_text(record.replace("ASKED", asked))
+    before = path.read_bytes()
+    said = run_task(task(film, path), lambda step: None, Event())
+    assert RECORDS[record] in said.words
+    assert path.read_bytes() == before
+
+
+def test_a_run_that_is_done_is_done_again_at_once_and_exports_anew(
+    film: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    how = ("--frames", "0-8", "--box", "99,161,409,658", "--quality", "preview", "--stand", "no")
+    for outcome in ("tracked", "up to date"):
+        assert run(film, *how, "--export", "csv", "--out", tmp_path / "out") == 0
+        assert re.search(rf"^jump +{outcome} ", capsys.readouterr().out, re.M)
