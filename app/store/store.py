@@ -9,7 +9,8 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ from keypose.app.jobs.job import JobState
 from keypose.app.jobs.wire import failure_message
 from keypose.app.render.video_frames import Frames
 from keypose.app.store.background import DraftLearner, KeypointFinder
+from keypose.app.store.faults import Fault, Faults
 from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
 from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
@@ -37,7 +39,7 @@ from keypose.app.store.opener import Opener
 from keypose.app.store.proposals import Proposals
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
-from keypose.app.store.sections import Sections
+from keypose.app.store.sections import PLACES, Sections
 from keypose.app.store.session_manager import PoseLibrary, Shelf
 from keypose.app.store.state import (
     AppState,
@@ -59,6 +61,15 @@ SECONDS_IN_A_GESTURE = 0.6
 """Of passes, which may come faster than any page can draw them; a hand that drags goes first."""
 
 
+@contextmanager
+def _collected(errors: list[Fault], place: str) -> Iterator[None]:
+    """An error in what follows from an edit is collected under the part of the page it shows in."""
+    try:
+        yield
+    except Exception as error:  # noqa: BLE001 — all else that follows goes on; it is said
+        errors.append((place, error))
+
+
 class Store:
     """State, tabs, files and jobs of one server.
 
@@ -78,6 +89,7 @@ class Store:
         self._app_state = AppState(server=secrets.token_hex(8))
         self._sections = Sections()
         self._tabs = Tabs()
+        self._faults = Faults(self.note)
         self._runner = Runner(loop, self._on_progress, self._on_previews)
         self._fitter = Fitter(self._runner, self)
         self._learner = DraftLearner(self._runner, self)
@@ -121,7 +133,7 @@ class Store:
         """One more tab, sent everything."""
         tab = self._tabs.join()
         self._set(tabs=len(self._tabs))
-        self._send_sections()
+        self._send_sections()  # what fails is said when the turn is published
         self._tabs.send_all(tab, self._sections.all)
         return tab
 
@@ -225,16 +237,25 @@ class Store:
 
     def _publish(self) -> None:
         self._turn_asked = False
-        self._send_sections()
+        shown, errors = self._send_sections()
         if self._app_state.edit is not None and self.opened is not None:
-            self._keypoints.look(self.opened, self._app_state.edit)
-        edit = self._app_state.displayed.edit
-        if edit is not None:
-            self._show(edit, self._sections.all["trail"])
+            opened, edit = self.opened, self._app_state.edit
+            with _collected(errors, "the keypoints"):
+                self._keypoints.look(opened, edit)
+        if shown.edit is not None and "trail" in self._sections.all:
+            with _collected(errors, "the views"):
+                self._show(shown.edit, self._sections.all["trail"])
+        self._faults.report(errors, self._app_state.saved.state in ("saved", "saving"))
 
-    def _send_sections(self) -> None:
-        """Send every tab what has changed since the last time."""
-        self._tabs.update(self._sections.changed(self._app_state.displayed))
+    def _send_sections(self) -> tuple[AppState, list[Fault]]:
+        """Send every tab what has changed since the last time. What is displayed, and why some
+        part of the page is not up to date."""
+        shown, errors = self._app_state, list[Fault]()
+        with _collected(errors, "the preview"):
+            shown = shown.displayed
+        self._tabs.update(self._sections.changed(shown))
+        errors += [(PLACES[name], error) for name, error in self._sections.failed.items()]
+        return shown, errors
 
     def surface_seen(self, seen: SurfaceSeen) -> None:
         """The views have looked at an observed surface; what they saw of it."""

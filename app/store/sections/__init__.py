@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from keypose.app.store.sections.changes import Sections
+from keypose.app.store.sections.changes import PLACES, Sections
 from keypose.app.store.sections.scene_values import image_version
 
-__all__ = ["Sections", "image_version"]
+__all__ = ["PLACES", "Sections", "image_version"]

@@ -240,22 +240,57 @@ SECTIONS: dict[str, _Section] = {
 }
 
 
+PLACES: Mapping[str, str] = {
+    **dict.fromkeys(("file", "camera", "camera_motion", "camera_here", "background"), "the camera"),
+    **dict.fromkeys(("body", "solids", "sizes_preview"), "the body"),
+    **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface"), "the views"),
+    **dict.fromkeys(
+        (
+            "keys",
+            "segments",
+            "errors",
+            "suggest",
+            "need",
+            "lanes",
+            "curve",
+            "joint_angle",
+            "damage",
+        ),
+        "the timeline",
+    ),
+    **dict.fromkeys(("pins", "proposed_pins", "still", "floor", "feet", "space"), "the floor"),
+    **dict.fromkeys(("masks", "cues", "networks", "keypoints", "settings"), "the settings"),
+    **dict.fromkeys(("review",), "the review"),
+    **dict.fromkeys(("fit", "reduction", "draft", "job"), "the progress of the work"),
+    **dict.fromkeys(("undo", "history", "notes", "clipboard", "poses", "guide"), "the history"),
+    **dict.fromkeys(("saved", "tabs", "server", "revision"), "the status"),
+}
+"""Where a section is seen, as a person calls it."""
+
+
 class Sections:
-    """Remembers what was made, and of what."""
+    """Remembers what was made, of what, and what could not be made."""
 
     def __init__(self) -> None:
         self._made_of: dict[str, tuple[Any, ...]] = {}
         self._made: dict[str, Json] = {}
+        self._failed: dict[str, Exception] = {}
 
     def changed(self, app_state: AppState) -> dict[str, Json]:
-        """The sections that differ from those of the last call."""
+        """The sections that differ from those of the last call. One that cannot be made stays as it
+        was, until what it is made of changes; `failed` has why."""
         fresh: dict[str, Json] = {}
         for name, section in SECTIONS.items():
-            parts = section.made_of(app_state)
-            if unchanged(self._made_of.get(name), parts):
+            try:
+                parts = section.made_of(app_state)
+                if unchanged(self._made_of.get(name), parts):
+                    continue
+                self._made_of[name] = parts
+                made = section.make(app_state)
+            except Exception as error:  # noqa: BLE001 — the others are sent; the store says it
+                self._failed[name] = error
                 continue
-            self._made_of[name] = parts
-            made = section.make(app_state)
+            self._failed.pop(name, None)
             if name not in self._made or made != self._made[name]:
                 self._made[name] = fresh[name] = made
         return fresh
@@ -264,3 +299,8 @@ class Sections:
     def all(self) -> Mapping[str, Json]:
         """Every section as made last: what a tab that has just joined is sent."""
         return self._made
+
+    @property
+    def failed(self) -> Mapping[str, Exception]:
+        """The sections that could not be made as the state is now, and why."""
+        return self._failed
