@@ -18,7 +18,7 @@ from keypose.tracker.reduction.result import Reduction
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import load_results
-from keypose.tracker.storage.sidecars import load_first_motion_of, save_own_motion
+from keypose.tracker.storage.sidecars import load_first_motion, save_own_motion
 
 _FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 
@@ -40,7 +40,7 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     found = reducible(
         session,
         load_results(session, arguments.session).fitting(session),
-        load_first_motion_of(session, arguments.session.parent),
+        load_first_motion(session, arguments.session.parent),
         frames=arguments.frames,
         source=arguments.source,
         limbs=arguments.limb,

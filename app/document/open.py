@@ -43,7 +43,7 @@ from keypose.tracker.storage.files import (
     with_present_fingerprints,
 )
 from keypose.tracker.storage.results import Results, load_results
-from keypose.tracker.storage.sidecars import carry_beside, load_first_motion
+from keypose.tracker.storage.sidecars import OwnMotion, carry_beside
 from keypose.tracker.surface.new_session import Reading
 from keypose.tracker.surface.source import holds_meshes
 from keypose.tracker.video import Video
@@ -151,10 +151,9 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
 def with_kept_motion(state: EditorState, session_path: Path) -> EditorState:
     """The state with the motion from before it was reduced, as the document names it; without one
     where that cannot be read: tracking, which starts from it, says why."""
-    reference, kept = state.doc.subject.first_motion, None
-    if reference is not None and reference.own:
-        with suppress(SessionError):
-            kept = load_first_motion(session_path.parent / reference.file, state.doc.subject.body)
+    kept = None
+    with suppress(SessionError):
+        kept = OwnMotion.of(state.doc, session_path.parent)
     return replace(state, kept=kept)
 
 

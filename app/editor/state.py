@@ -16,7 +16,7 @@ from keypose.app.editor.frames import even_motion, first_pose
 from keypose.app.posing import Readout
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory, displaced
+from keypose.tracker.body.trajectory import displaced
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.history import History
@@ -24,6 +24,7 @@ from keypose.tracker.session.pins import Pin, pins_apart
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Fitting, Results, Span, pose_at
+from keypose.tracker.storage.sidecars import OwnMotion
 from keypose.tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ class EditorState:
     proposed_pins: tuple[Pin, ...] = ()
     dismissed_pins: tuple[Pin, ...] = ()
     timecode: Timecode | None = None
-    kept: Trajectory | None = None
+    kept: OwnMotion | None = None
     posed_by_corners: tuple[PosedByCorners, ...] = ()
     previews: Previews = Previews()
     stands_in: Fitting | None = None
@@ -156,12 +157,9 @@ class EditorState:
             else Skeleton.of(doc.subject.body)
         )
         begin, finish = at[start].pose(skeleton), at[end].pose(skeleton)
-        own = (
-            doc.subject.first_motion is not None
-            and doc.subject.first_motion.own_run(start, end) is not None
-        )
-        if own and self.kept is not None:
-            found = displaced(self.kept, begin, finish, start, end)
+        kept = None if self.kept is None else self.kept.over(doc, start, end)
+        if kept is not None:
+            found = displaced(kept, begin, finish, start, end)
             return found.Rs_parent_part[frames - start], found.ps_camera_root[frames - start]
         return even_motion(doc, begin, finish, (start, end), frames)
 

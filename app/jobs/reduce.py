@@ -16,7 +16,7 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.reduction.result import Every, Goal, Reduction, Tolerance
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.sidecars import load_first_motion_of, save_own_motion
+from keypose.tracker.storage.sidecars import load_first_motion, save_own_motion
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
@@ -41,7 +41,7 @@ class ReduceMotion(Fit):
     def of(cls, opened: OpenSession, edit: EditorState, action: actions.Reduce) -> Self:
         last = edit.frame_count - 1
         frames = (action.first or 0, last if action.last is None else action.last)
-        imported = load_first_motion_of(edit.doc, opened.session_path.absolute().parent)
+        imported = load_first_motion(edit.doc, opened.session_path.absolute().parent)
         found = reducible(
             edit.doc, edit.fitting, imported,
             frames=frames, limbs=action.limbs, replacing=action.replacing,

@@ -77,7 +77,7 @@ class WorkerCache:
         self._tracker = tracker_of(
             session,
             video,
-            first_motion=sidecars.first_motion_of_session(session, folder),
+            first_motion=sidecars.load_first_motion(session, folder),
             like=self._tracker,
             keypoints=self.keypoints(session, folder),
             fewest=fewest,

@@ -26,7 +26,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -94,8 +94,9 @@ def save_own_motion(session: Session, session_path: Path, motion: Trajectory) ->
     """
     before = session.subject.first_motion
     if before is not None and before.own:
-        known = load_first_motion(session_path.parent / before.file, session.subject.body)
-        motion = _overlaid(known, motion)
+        known = load_first_motion(session, session_path.parent)
+        if known is not None:
+            motion = _overlaid(known, motion)
     ends = np.flatnonzero(np.diff(np.r_[0, np.isfinite(motion.ps_camera_root[:, 0]), 0]))
     runs = [_own_run(motion, int(a), int(b)) for a, b in ends.reshape(-1, 2)]
     name = _write(session.subject.body, session_path, motion)
@@ -136,44 +137,83 @@ def _write(body: Body, session_path: Path, motion: Trajectory) -> str:
     return name
 
 
-def first_motion_of_session(session: Session, folder: Path) -> Trajectory | None:
-    """The motion a session's segments may start from; None where it has none, or its own
-    from before the body got other parts.
+@dataclass(frozen=True, eq=False)
+class OwnMotion:
+    """The motion that a session had before it was reduced to keyframes, as its file holds it.
+
+    file: the file's name.  names: of the parts of the body as it was then.
+    """
+
+    file: str
+    names: tuple[str, ...]
+    motion: Trajectory
+
+    @classmethod
+    def of(cls, session: Session, folder: Path) -> OwnMotion | None:
+        """The own motion of a session, None where it has none; SessionError where it cannot be
+        read.  folder: of the session's file."""
+        reference = session.subject.first_motion
+        if reference is None or not reference.own:
+            return None
+        return cls(reference.file, *_read(folder / reference.file))
+
+    def over(self, session: Session, first: int, last: int) -> Trajectory | None:
+        """The motion between two frames, for the body that a session has by now; None where its
+        own motion is another one, or has no poses there."""
+        reference = session.subject.first_motion
+        if reference is None or reference.file != self.file:
+            return None
+        if reference.own_run(first, last) is None or not _has_poses(self.motion, first, last):
+            return None
+        rows = slice(first - self.motion.first_frame, last - self.motion.first_frame + 1)
+        Rs, ps = self.motion.Rs_parent_part[rows], self.motion.ps_camera_root[rows]
+        return _followed(self.names, Trajectory(first, Rs, ps), session.subject.body)
+
+
+def load_first_motion(session: Session, folder: Path) -> Trajectory | None:
+    """The motion a session's segments may start from; None where it has none. Its own follows the
+    body, as keyframes do: a part that was added has no turn.
 
     folder: of the session's file.
-    SessionError in one sentence when its file is missing, damaged, or of another body.
+    SessionError in one sentence when its file is missing or damaged, or was imported for another
+    body.
     """
-    reference = session.subject.first_motion
+    reference, body = session.subject.first_motion, session.subject.body
     if reference is None:
         return None
     names, motion = _read(folder / reference.file)
-    if reference.own and names != session.subject.body.names:
-        return None
-    return _of_body(names, motion, session.subject.body, reference.file)
-
-
-def load_first_motion_of(session: Session, folder: Path) -> Trajectory | None:
-    """The first motion of a session, wherever tracking starts from; None where it has none.
-    SessionError as `first_motion_of_session`."""
-    reference = session.subject.first_motion
-    return (
-        None
-        if reference is None
-        else load_first_motion(folder / reference.file, session.subject.body)
-    )
-
-
-def load_first_motion(path: Path, body: Body) -> Trajectory:
-    """The motion in a file; SessionError in one sentence when there is none for this body."""
-    return _of_body(*_read(path), body, path.name)
-
-
-def _of_body(names: tuple[str, ...], motion: Trajectory, body: Body, file: str) -> Trajectory:
+    if reference.own:
+        if not all(_has_poses(motion, run.first_frame, run.last_frame) for run in reference.own):
+            raise SessionError(f"{reference.file} lacks poses that the session says it has.")
+        return _followed(names, motion, body)
     if names != body.names:
         raise SessionError(
-            f"{file} was imported for other parts than the session's body has: import it again."
+            f"{reference.file} was imported for other parts than the session's body has: "
+            "import it again."
         )
     return motion
+
+
+def _has_poses(motion: Trajectory, first: int, last: int) -> bool:
+    """Whether a motion has a pose at every frame from `first` to `last`."""
+    if not motion.first_frame <= first <= last <= motion.last_frame:
+        return False
+    rows = slice(first - motion.first_frame, last - motion.first_frame + 1)
+    return bool(np.isfinite(motion.ps_camera_root[rows]).all())
+
+
+def _followed(names: tuple[str, ...], motion: Trajectory, body: Body) -> Trajectory:
+    """A motion of parts of these names for another body: parts of the same name turn as they did,
+    those that it did not have do not turn."""
+    if names == body.names:
+        return motion
+    Rs = np.tile(np.eye(3), (len(motion), len(body.names), 1, 1))
+    Rs[~np.isfinite(motion.ps_camera_root).all(axis=1)] = np.nan
+    row_of = {name: row for row, name in enumerate(names)}
+    for part, name in enumerate(body.names):
+        if name in row_of:
+            Rs[:, part] = motion.Rs_parent_part[:, row_of[name]]
+    return Trajectory(motion.first_frame, Rs, motion.ps_camera_root)
 
 
 def _read(path: Path) -> tuple[tuple[str, ...], Trajectory]:

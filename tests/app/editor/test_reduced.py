@@ -24,8 +24,7 @@ from keypose.tracker.reduction.result import Reduction, Tolerance
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.storage.fingerprints import segment_keys
 from keypose.tracker.storage.sidecars import (
-    first_motion_of_session,
-    load_first_motion_of,
+    load_first_motion,
     save_own_motion,
 )
 from tests.app import surface_cases
@@ -162,7 +161,7 @@ def test_the_motion_is_kept_and_only_segments_within_it_start_from_it(tmp_path: 
     own = save_own_motion(state.doc, path, found.motion)
     doc = reduced_session(state.doc, found, frames, state.times_s, own)
     assert [(run.first_frame, run.last_frame) for run in own.own] == [(24, 48)]
-    kept = first_motion_of_session(doc, tmp_path)
+    kept = load_first_motion(doc, tmp_path)
     assert kept is not None
     assert kept.Rs_parent_part.tobytes() == found.motion.Rs_parent_part.tobytes()
     before, now = segment_keys(state.doc), segment_keys(doc)
@@ -189,7 +188,7 @@ def test_what_was_kept_of_other_frames_stays_with_gaps_between(tmp_path: Path) -
     runs = doc.subject.first_motion.own
     assert [(run.first_frame, run.last_frame) for run in runs] == [(2, 9), (40, 60)]
     assert runs[1].digest in early
-    kept = load_first_motion_of(doc, tmp_path)
+    kept = load_first_motion(doc, tmp_path)
     assert kept is not None
     assert np.isnan(kept.ps_camera_root[9 - 2 + 1 : 40 - 2]).all()
     assert reducible(doc, {}, kept, frames=(41, 59)).source == "imported"

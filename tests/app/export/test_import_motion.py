@@ -37,7 +37,7 @@ from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import segment_keys
-from keypose.tracker.storage.sidecars import first_motion_of_session
+from keypose.tracker.storage.sidecars import load_first_motion
 from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.storage.tracks import load_trajectory
 from keypose.tracker.tracking.pool import TrackFinished
@@ -79,7 +79,7 @@ def _wide(ps: Floats, names: Sequence[str] = NAMES, scale: float = 1.0) -> str:
 
 def _imported(path: Path) -> Trajectory:
     session = load_session(path)
-    motion = first_motion_of_session(session, path.parent)
+    motion = load_first_motion(session, path.parent)
     assert motion is not None
     return motion
 
@@ -342,10 +342,10 @@ def test_a_damaged_or_missing_motion_is_reported(path: Path) -> None:
     content = place.read_bytes()
     place.write_bytes(content[:-40])
     with pytest.raises(SessionError, match="damaged"):
-        first_motion_of_session(session, path.parent)
+        load_first_motion(session, path.parent)
     place.unlink()
     with pytest.raises(SessionError, match="cannot be read"):
-        first_motion_of_session(session, path.parent)
+        load_first_motion(session, path.parent)
 
 
 def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: Path) -> None:

@@ -171,3 +171,45 @@ async def test_the_order_holds_the_motion_and_the_reports_its_progress(desk: Des
     assert {10, 24, 48, 50} <= set(last.result.frames)
     counts = [report.share for report in progress if isinstance(report, Progress)]
     assert counts == sorted(counts)
+
+
+BODY_EDITS = {
+    "movable shoulders": {"do": "clavicles", "on": True},
+    "a part added": {"do": "add_part", "parent": "head", "name": "hat"},
+    "a part deleted": {"do": "delete_part", "part": "left_hand"},
+    "a part renamed": {"do": "rename_part", "part": "head", "name": "skull"},
+    "the first part renamed": {"do": "rename_part", "part": "waist", "name": "hips"},
+    "another body": {"do": "preset", "name": "dog"},
+    "no body left": {"do": "preset", "name": "box"},
+}
+
+
+@pytest.mark.parametrize("change", BODY_EDITS)
+async def test_a_motion_that_was_reduced_follows_the_body_and_undo_leads_back(
+    desk: Desk, change: str
+) -> None:
+    desk.do({"do": "reduce", "every": 36, "replacing": True})
+    answered(desk)
+    desk.do({"do": "apply_reduction"}, {"do": "go", "frame": 20}, {"do": "select", "part": "head"})
+    before = shown_pose(desk.edit)
+    desk.do({"do": "delete_key", "frame": 99}, BODY_EDITS[change])
+    all_sections_made(desk)
+    now = shown_pose(desk.edit)
+    assert now.source == "between"
+    np.testing.assert_allclose(now.pose.p_camera_root, before.pose.p_camera_root, atol=1e-9)
+    assert len(now.pose.Rs_parent_part) == len(desk.edit.doc.subject.body.parts)
+    desk.do({"do": "undo"})
+    all_sections_made(desk)
+    np.testing.assert_array_equal(
+        shown_pose(desk.edit).pose.Rs_parent_part, before.pose.Rs_parent_part
+    )
+    desk.do({"do": "redo"}, {"do": "track", "what": "all"}, REDUCE)
+    answered(desk)
+    desk.do({"do": "apply_reduction"})
+    all_sections_made(desk)
+
+
+def all_sections_made(desk: Desk) -> None:
+    """Every part of the page can be sent."""
+    desk.store._publish()
+    assert desk.store._sections.failed == {}

@@ -8,18 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.modify import (
+    with_clavicles,
+    with_new_part,
+    with_renamed_part,
+    without_part,
+)
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate, joined
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of
-from keypose.tracker.storage.sidecars import (
-    first_motion_of_session,
-    load_first_motion_of,
-    save_own_motion,
-)
-from keypose.tracker.storage.tracking import require_first_motion, track_session
+from keypose.tracker.storage.sidecars import OwnMotion, load_first_motion, save_own_motion
+from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import PassFinished
 
 PERSON = Path(__file__).parents[3] / "sample_videos" / "person" / "session.json"
@@ -51,7 +54,7 @@ def test_only_segments_within_the_run_start_from_it_as_it_is(tmp_path: Path) -> 
     begun: dict[tuple[int, int], tuple[str, Trajectory]] = {}
     with open_video_of(session, PERSON) as video:
         events = track_session(
-            session, video, segments=[0, 1], first_motion=first_motion_of_session(session, tmp_path)
+            session, video, segments=[0, 1], first_motion=load_first_motion(session, tmp_path)
         )
         for event in events:
             if isinstance(event, PassFinished) and event.result.span not in begun:
@@ -62,14 +65,54 @@ def test_only_segments_within_the_run_start_from_it_as_it_is(tmp_path: Path) -> 
     assert begun[others[0]][0] != "import"
 
 
-def test_a_body_with_other_parts_is_tracked_as_if_nothing_was_kept(tmp_path: Path) -> None:
+BODIES = {
+    "part removed": lambda body: without_part(body, "left_hand"),
+    "part added": lambda body: with_new_part(body, "head", "hat"),
+    "clavicles": with_clavicles,
+    "renamed": lambda body: with_renamed_part(body, "head", "skull"),
+    "another body": lambda body: preset("box"),
+}
+
+
+@pytest.mark.parametrize("change", BODIES)
+def test_what_was_kept_follows_the_body_part_by_part(tmp_path: Path, change: str) -> None:
+    session = load_session(PERSON)
+    first, last = session.spans[0]
+    motion = bent(session, first, last)
+    own = save_own_motion(session, tmp_path / "session.json", motion)
+    names = session.subject.body.names
+    body = BODIES[change](session.subject.body)
+    other = session.changed({"first_motion": own, "body": body})
+    followed = load_first_motion(other, tmp_path)
+    kept = OwnMotion.of(other, tmp_path)
+    assert followed is not None
+    assert kept is not None
+    assert followed.ps_camera_root.tobytes() == motion.ps_camera_root.tobytes()
+    for part, name in enumerate(body.names):
+        known = motion.Rs_parent_part[:, names.index(name)] if name in names else np.eye(3)
+        np.testing.assert_array_equal(
+            followed.Rs_parent_part[:, part], np.broadcast_to(known, (len(motion), 3, 3))
+        )
+    inside = kept.over(other, first + 1, last - 1)
+    assert inside is not None
+    assert inside.Rs_parent_part.tobytes() == followed.Rs_parent_part[1:-1].tobytes()
+    assert kept.over(other, first, last + 1) is None
+    assert kept.over(session, first, last) is None  # which names no such motion
+
+
+def test_a_session_that_names_poses_its_own_motion_lacks_is_said_in_a_sentence(
+    tmp_path: Path,
+) -> None:
     session = load_session(PERSON)
     first, last = session.spans[0]
     own = save_own_motion(session, tmp_path / "session.json", bent(session, first, last))
-    body = session.subject.body.model_copy(update={"parts": session.subject.body.parts[:-1]})
-    other = session.changed({"first_motion": own, "body": body})
-    assert first_motion_of_session(other, tmp_path) is None
-    require_first_motion(other, None)
+    run = own.own[0].model_copy(update={"last_frame": last + 30})
+    other = session.changed({"first_motion": own.model_copy(update={"own": (run,)})})
+    with pytest.raises(SessionError, match="lacks poses that the session says it has"):
+        load_first_motion(other, tmp_path)
+    kept = OwnMotion.of(other, tmp_path)
+    assert kept is not None
+    assert kept.over(other, first, last + 20) is None
 
 
 def test_a_damaged_file_is_said_in_a_sentence(tmp_path: Path) -> None:
@@ -79,10 +122,10 @@ def test_a_damaged_file_is_said_in_a_sentence(tmp_path: Path) -> None:
     session = session.changed({"first_motion": own})
     (tmp_path / own.file).write_bytes(b"nothing")
     with pytest.raises(SessionError, match="is damaged"):
-        load_first_motion_of(session, tmp_path)
+        load_first_motion(session, tmp_path)
     (tmp_path / own.file).unlink()
     with pytest.raises(SessionError, match="cannot be read"):
-        first_motion_of_session(session, tmp_path)
+        load_first_motion(session, tmp_path)
 
 
 def test_a_displaced_motion_meets_both_poses_and_is_what_it_was_where_it_has_them() -> None:
