@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import in_world
 from keypose.app.editor.shown import part_at
 from keypose.app.editor.state import EditorState
-from keypose.app.posing import handles
+from keypose.app.posing import handles, part_label
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.geometry.rotations import Array
@@ -25,11 +26,14 @@ def default_landmarks(body: Body, part: str) -> tuple[str, ...]:
 def corner_near(
     state: EditorState, part: str, frame: int, uv: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """The vertex of a part, in its frame, that is seen nearest to a pixel; the nearer of two."""
+    """The vertex of a part, in its frame, that is seen nearest to a pixel; the nearer of two.
+    Refused where the camera sees none."""
     body, T = state.doc.subject.body, part_at(state, part, frame)
     vertices = np.asarray(body.parts[body.index(part)].shape.mesh().vertices)
     p = vertices @ T[:3, :3].T + T[:3, 3]
     off = np.linalg.norm(state.doc.camera_at(frame).project(p) - uv, axis=1) + p[:, 2]
+    if not np.isfinite(off).any():
+        raise ActionRefused(f"{part_label(part)} cannot be seen at frame {frame}.")
     x, y, z = vertices[int(np.nanargmin(off))].tolist()
     return x, y, z
 

@@ -127,7 +127,7 @@ def _of_limb(body: Body, limb: tuple[str, ...]) -> list[BodyHandle]:
     if not to_tip and len(limb) < 2:
         return []
     anchor = tip if to_tip and tip else last.name
-    movers = limb[girdle:] if to_tip else limb[girdle:-1]
+    movers = limb[girdle:] if to_tip else limb[girdle:-1] or limb[:girdle]
     label = part_label(tip if to_tip and tip else last.name)
     found = [BodyHandle(last.name, "end", last.name, anchor, label, limb, movers)]
     for k in range(len(movers) - 1, -girdle, -1):

@@ -18,10 +18,11 @@ from keypose.app.editor.state import EditorState
 from keypose.app.posing import tilt_and_roll
 from keypose.app.store.sections import space_values
 from keypose.app.store.state import AppState
-from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.verdict import GOOD
@@ -119,6 +120,16 @@ def test_a_corner_is_pinned_where_one_points_at_it() -> None:
         (pin,) = after(state, pointed).doc.subject.pins
         assert pin.point_m == pytest.approx(corner)
         assert pin.landmarks == ()
+
+
+def test_a_corner_of_a_part_that_is_behind_the_camera_is_refused() -> None:
+    state = desk()
+    near = Pose.rest(state.skeleton, (0.0, 0.0, -4.0))
+    keyframes = (Keyframe.of(state.skeleton, near, 24, 0.8),)
+    state = state.with_doc(state.doc.changed({"keyframes": keyframes}))
+    pointed = {"do": "set_pin", "part": "left_hand", "frame": 24, "corner": [5, 5]}
+    with pytest.raises(ActionRefused, match="Left hand cannot be seen at frame 24"):
+        after(state, pointed)
 
 
 def test_heel_and_toe_are_pinned_over_frames_of_their_own() -> None:

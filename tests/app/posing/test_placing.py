@@ -8,7 +8,7 @@ import pytest
 from keypose.app.posing import handle_named, handles, lanes, opening_pose, up_from_vertical
 from keypose.app.posing.handles import handle_at_far_end
 from keypose.tracker.body.body import PEOPLE, Body, preset
-from keypose.tracker.body.modify import with_clavicles
+from keypose.tracker.body.modify import with_clavicles, without_part
 from keypose.tracker.body.pose import joint_names, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
@@ -82,8 +82,11 @@ def test_a_person_is_taken_by_body_head_hands_feet_and_the_joints_between() -> N
 
 @pytest.mark.parametrize(
     "body",
-    [PERSON, DOG, ARMS, BOX, deep_chain().body, *(random_body(k, 9).body for k in range(6))],
-    ids=lambda body: body.name,
+    [
+        *(PERSON, DOG, ARMS, BOX, deep_chain().body, *(random_body(k, 9).body for k in range(6))),
+        *(without_part(with_clavicles(PERSON), name) for name in PERSON.names[1:]),
+    ],
+    ids=lambda body: f"{body.name} of {len(body.parts)}",
 )
 def test_every_handle_stands_at_a_point_of_the_body_and_has_a_name_of_its_own(body: Body) -> None:
     known = joint_names(Skeleton.of(body))
@@ -91,6 +94,7 @@ def test_every_handle_stands_at_a_point_of_the_body_and_has_a_name_of_its_own(bo
     assert len({handle.name for handle in found}) == len(found)
     for handle in found:
         assert handle.anchor in known
+        assert handle.movers
         assert set(handle.movers) <= set(body.names)
         assert handle.part in handle.limb
     groups = [part for _, parts in lanes(body) for part in parts]
