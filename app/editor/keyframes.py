@@ -48,7 +48,7 @@ class AddKey(Edit):
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        return with_key_added(state, require_in_video(state, self.frame))
+        return with_key_added(state, self.frame)
 
 
 def with_key_added(state: EditorState, frame: int) -> Session:
@@ -85,7 +85,7 @@ class MoveKey(Edit):
     to: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        to = require_in_video(state, self.to)
+        to = self.to
         if to == self.frame:
             return state.doc
         keyframe = _require(state, self.frame)
@@ -102,8 +102,7 @@ class DuplicateKey(Edit):
     to: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        to = require_in_video(state, self.to)
-        return _keyed(state, state.doc, _require(state, self.frame), to)
+        return _keyed(state, state.doc, _require(state, self.frame), self.to)
 
 
 class DeleteDraft(Edit):

@@ -8,7 +8,16 @@ sizes centimetres, places pixels of the main view, as on the page.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, Annotated, ClassVar, TypeAlias
+from functools import cache
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    TypeAlias,
+    get_args,
+    get_type_hints,
+)
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
 
@@ -48,6 +57,17 @@ class Edit(Message):
     target: ClassVar[str | None] = None
     stroke: StrokeName | None = None
 
+    @property
+    def frames_named(self) -> tuple[int, ...]:
+        """The frames of the video that it names, all of them checked before it is applied."""
+        values = (getattr(self, name) for name in _frame_fields(type(self)))
+        return tuple(
+            frame
+            for value in values
+            for frame in (value if isinstance(value, tuple) else (value,))
+            if frame is not None
+        )
+
     @abstractmethod
     def apply(self, state: EditorState) -> Session:
         """The document after it; KeyposeError, in one sentence, when it cannot be done."""
@@ -62,6 +82,17 @@ class Edit(Message):
         if target is None:
             return self.verb
         return f"{self.verb} {part_label(target).lower() if isinstance(target, str) else target}"
+
+
+@cache
+def _frame_fields(kind: type[Message]) -> tuple[str, ...]:
+    """The names of the fields that hold a frame, or several."""
+    hints = get_type_hints(kind, include_extras=True)
+    return tuple(name for name in kind.model_fields if _names_frames(hints[name]))
+
+
+def _names_frames(hint: Any) -> bool:
+    return hint == FrameIndex or any(map(_names_frames, get_args(hint)))
 
 
 class Look(Message):

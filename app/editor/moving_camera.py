@@ -76,7 +76,7 @@ class CameraMatch(Edit):
 
     def apply(self, state: EditorState) -> Session:
         doc, frame = state.doc, state.frame
-        if self.other >= state.frame_count or self.other == frame:
+        if self.other == frame:
             raise ActionRefused("Mark the same points at another frame of the film first.")
         try:
             found = self._matched(doc.view.camera.without_distortion(), zoom_at(doc, self.other))

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 import numpy as np
 from pydantic import Field
 
-from keypose.app.editor.documents import ActionRefused, require_in_video
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.keyframes import with_key_added
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
@@ -89,9 +89,8 @@ class SetNote(Edit):
     text: NoteText = ""
 
     def apply(self, state: EditorState) -> Session:
-        frame = require_in_video(state, self.frame)
-        note = _at(state, frame) or Note(frame=frame)
-        return _with_note(state, frame, note.model_copy(update={"text": self.text.strip()}))
+        note = _at(state, self.frame) or Note(frame=self.frame)
+        return _with_note(state, self.frame, note.model_copy(update={"text": self.text.strip()}))
 
 
 class MoveNote(Edit):
@@ -103,7 +102,7 @@ class MoveNote(Edit):
     to: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
-        note, to = _require(state, self.frame), require_in_video(state, self.to)
+        note, to = _require(state, self.frame), self.to
         if to == self.frame:
             return state.doc
         if _at(state, to) is not None:

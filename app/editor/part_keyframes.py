@@ -10,8 +10,8 @@ from pydantic import Field
 
 from keypose.app.editor.documents import (
     ActionRefused,
+    keyframe_of,
     require_before_camera,
-    require_in_video,
     with_drafts,
     with_part_keyframes,
     without,
@@ -25,7 +25,7 @@ from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed
-from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
+from keypose.tracker.session.keyframe import PartKeyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
 
@@ -46,7 +46,7 @@ class KeyParts(Edit):
     parts: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
 
     def apply(self, state: EditorState) -> Session:
-        frame = require_in_video(state, self.frame)
+        frame = self.frame
         require_correctable(state, frame)
         parts = self.parts or _posed_parts(state, frame)
         if not parts:
@@ -153,7 +153,7 @@ def _with_parts(state: EditorState, frame: int, pose: Pose, parts: Iterable[str]
     require_before_camera(state.skeleton, pose)
     known = find(state.doc.subject.part_keyframes, frame)
     keyed = {*parts, *(known.parts if known is not None else ())}
-    whole = Keyframe.of(state.skeleton, pose, frame, float(state.times_s[frame]))
+    whole = keyframe_of(state.skeleton, pose, frame, state.times_s)
     made = PartKeyframe(
         **whole.model_dump(), parts=tuple(n for n in state.doc.subject.body.names if n in keyed)
     )

@@ -93,6 +93,11 @@ class ChangePin(Edit):
     landmarks: Landmarks | None = None
     floor: bool | None = None
 
+    @property
+    def frames_named(self) -> tuple[int, ...]:
+        """None: a pin that is dragged past an end of the video stops there."""
+        return ()
+
     def apply(self, state: EditorState) -> Session:
         pin = self._moved(state, _require(state, self.index))
         if self.landmarks is not None:

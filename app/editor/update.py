@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat, ValidationError
 
-from keypose.app.editor.documents import ActionRefused, impossible, require_sound
+from keypose.app.editor.documents import ActionRefused, impossible, require_in_video, require_sound
 from keypose.app.editor.message import Edit, Editing, Look, Rewind, StrokeName
 from keypose.app.editor.posing import with_corners
 from keypose.app.editor.state import EditorState, Stroke
@@ -211,6 +211,8 @@ def _without_stroke(state: EditorState, stroke: Stroke) -> EditorState:
 def _edit(state: EditorState, action: Edit) -> EditorState:
     if action.stroke in state.over:
         return state  # it would be applied a second time, to what it has led to
+    for frame in action.frames_named:
+        require_in_video(state, frame)
     if not _is_under_way(state, action.stroke):
         state = end_stroke(state)
     before = state

@@ -9,15 +9,23 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from keypose import static
 from keypose.app.editor.actions import ACTIONS, MESSAGES
 from keypose.app.editor.message import Edit, Look, Message, Rewind
+from keypose.tracker.errors import KeyposeError
+from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.session.camera_motion import CameraMotion
+from tests.app.editor.desk import after, desk
 
 ANGLES = {"do": "angles", "part": "head"}
 MASK = {"do": "add_mask", "polygon": [[0, 0], [1, 0], [0, 1]], "first": 0, "last": 1}
+BEYOND = 73
+"""The sample has frames 0 to 72."""
 CORNERS = [[0, 0], [1, 0], [0, 1]]
 
 NUMBERS: list[tuple[dict[str, Any], str, float, float, float]] = [
@@ -147,3 +155,44 @@ def test_undo_has_a_name_for_every_edit() -> None:
     unnamed = [kind for kind in edits if kind.label is Edit.label and not hasattr(kind, "verb")]
     assert unnamed == []
     assert all(kind.target is None or kind.target in kind.model_fields for kind in edits)
+
+
+SPOT = {"at": [1.0, 1.0]}
+FOOT = {"do": "set_pin", "part": "left_foot"}
+MARKED = {"here": [[1, 1], [9, 9]], "there": [[1, 1], [9, 9]]}
+OF_FRAMES: list[dict[str, Any]] = [
+    {"do": "add_key"}, {"do": "delete_key"}, {"do": "move_key", "to": 3}, {"do": "delete_draft"},
+    {"do": "move_key", "frame": 24, "to": BEYOND},
+    {"do": "duplicate_key", "frame": 24, "to": BEYOND},
+    {"do": "set_note", "text": "here"}, {"do": "move_note", "to": 3}, {"do": "delete_note"},
+    {"do": "key_parts"}, {"do": "unkey_parts", "parts": ["head"]}, {"do": "exact_key"},
+    {"do": "correct_keypoint", "joint": "left_hand", **SPOT},
+    {"do": "restore_keypoint", "joint": "left_hand"},
+    {"do": "ignore_keypoint", "joint": "left_hand"}, {"do": "cannot_tell"}, {"do": "accept_place"},
+    FOOT, {**FOOT, "corner": [1, 1]}, {**FOOT, "frame": 3, "last": BEYOND},
+    {"do": "split_pin", "index": 0}, {"do": "delete_keys", "frames": [24, BEYOND]},
+    {"do": "retime_keys", "frames": [24], "to": [BEYOND]},
+    {"do": "soften_keys", "frames": [BEYOND]}, {**MASK, "last": BEYOND},
+    {"do": "camera_match", "other": BEYOND, **MARKED}, {"do": "delete_camera_key"},
+    {"do": "key_angle", "part": "head", "axis": "x", "deg": 3},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("message", OF_FRAMES, ids=lambda message: message["do"])
+def test_an_edit_that_names_a_frame_beyond_the_film_is_refused_however_the_camera_moves(
+    message: dict[str, Any],
+) -> None:
+    kind = next(k for k in MESSAGES if k.model_fields["do"].default == message["do"])
+    if "frame" in kind.model_fields and "frame" not in message:
+        message = {**message, "frame": BEYOND}
+    panned = desk().with_doc(desk().doc.changed({"camera_motion": turning()}))
+    for state in (desk(), panned):
+        with pytest.raises(KeyposeError, match="The video has frames 0 to 72"):
+            after(state, message)
+
+
+def turning() -> CameraMotion:
+    """A camera that turns to the right."""
+    Ts = np.tile(np.eye(4), (73, 1, 1))
+    Ts[:, :3, :3] = [exp_rotation([0.0, 0.002 * frame, 0.0]) for frame in range(73)]
+    return CameraMotion.of("turns", CameraPath(Ts, np.ones(73)), np.full(73, 0.1))

@@ -137,7 +137,7 @@ def test_of_a_bent_lens_it_is_kept_where_the_film_shows_it() -> None:
     ("wrong", "words"),
     [
         ({"joint": "left_toe"}, "This body has no keypoint left toe."),
-        ({"frame": 10_000}, "beyond the video"),
+        ({"frame": 10_000}, "The video has frames 0 to 72"),
         ({"at": [99_999, 3]}, "far outside the picture"),
     ],
 )
