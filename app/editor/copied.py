@@ -21,6 +21,7 @@ from keypose.app.editor.documents import (
     keyframe_of,
     posed,
     require_before_camera,
+    require_within_reach,
     softened,
 )
 from keypose.app.editor.frames import carried_pose
@@ -63,13 +64,6 @@ class CopiedKey(BaseModel):
             if abs(math.hypot(*q) - 1.0) > 1e-3:
                 raise ValueError(f"the rotation of {name!r} is not a unit quaternion [w, x, y, z]")
         return rotations
-
-    @field_validator("root_m")
-    @classmethod
-    def _is_within_reach(cls, root_m: Position) -> Position:
-        if max(map(abs, root_m)) > 1e4:
-            raise ValueError("the root lies farther than 10 km away")
-        return root_m
 
 
 class Copied(BaseModel):
@@ -265,6 +259,7 @@ def _pose(skeleton: Skeleton, key: CopiedKey, present: Pose) -> Pose:
 
 
 def _key(skeleton: Skeleton, pose: Pose, after: int, soft: Softness) -> CopiedKey:
+    require_within_reach(pose)
     whole = Keyframe.of(skeleton, pose, 0, 0.0)
     return CopiedKey(
         after=after, root_m=whole.root_m, rotations_wxyz=whole.rotations_wxyz, soft=soft

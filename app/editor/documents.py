@@ -15,6 +15,7 @@ from keypose.tracker.errors import KeyposeError, one_sentence
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
 from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import FARTHEST_M
 from keypose.tracker.storage import changes
 
 if TYPE_CHECKING:
@@ -90,7 +91,8 @@ def posed(
 
 
 def keyframe_of(skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Keyframe:
-    """The pose as a keyframe."""
+    """The pose as a keyframe; refused where it is too far away."""
+    require_within_reach(pose)
     return Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
 
 
@@ -99,8 +101,17 @@ def softened(keyframe: Keyframe, soft: Softness) -> Keyframe:
     return keyframe.model_copy(update={"soft": soft}) if soft != keyframe.soft else keyframe
 
 
+def require_within_reach(pose: Pose) -> None:
+    """Refused when the body would be farther away than any keyframe may be."""
+    if not np.abs(pose.p_camera_root).max() <= FARTHEST_M:
+        raise ActionRefused(
+            f"The body would be farther than {FARTHEST_M / 1000:.0f} km away. Move it nearer."
+        )
+
+
 def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:
-    """Refused when a joint would come to lie behind the camera."""
+    """Refused when a joint would come to lie behind the camera, or the body too far before it."""
+    require_within_reach(pose)
     z = pose_transforms(skeleton, pose)[:, 2, 3]
     if not z.min() > NEAREST_M:
         raise ActionRefused("The body would be behind the camera. Move it farther away.")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.app.editor.documents import keyframe_of
 from keypose.app.editor.frames import up_of
 from keypose.app.posing import opening_pose
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -114,7 +115,7 @@ def _draft(
         return None
     away = np.linalg.norm(camera.project(points.at(Ts)) - uv, axis=-1)
     miss, extent = float(np.nanmean(away)), float(np.ptp(uv[np.isfinite(uv).all(-1)], axis=0).max())
-    keyframe = Keyframe.of(skeleton, solved.pose, frame, float(times_s[frame]))
+    keyframe = keyframe_of(skeleton, solved.pose, frame, times_s)
     count = int(np.isfinite(away).sum())
     return Draft(keyframe, count, miss, solved.converged, miss > POOR_PX * extent)
 

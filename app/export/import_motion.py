@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from keypose.app.editor.documents import keyframe_of
 from keypose.app.export.import_keypoints import (
     NEAREST_M,
     SHOWN,
@@ -38,7 +39,7 @@ from keypose.tracker.formats.text import Note
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session import Session
 from keypose.tracker.solver.fit_joints import JointFit, fit_motion, rigid
 from keypose.tracker.solver.posed import BodyPoints
 
@@ -156,7 +157,7 @@ def pose_draft(session: Session, found: ImportedMotion, file: str, times_s: Arra
             "already: choose another frame for it."
         )
     skeleton, pose = Skeleton.of(session.subject.body), found.fit.trajectory.pose(frame)
-    keyframe = Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
+    keyframe = keyframe_of(skeleton, pose, frame, times_s)
     doubtful = bool(found.notes)
     converged = bool(found.fit.converged[0])
     miss_px = float(found.miss_px[0])

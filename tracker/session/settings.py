@@ -24,7 +24,9 @@ def _as_now(choice: object) -> object:
 
 
 FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
-Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
+FARTHEST_M: Final = 1e5
+"""Along each axis, of every pose however it is made."""
+Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
 SceneId: TypeAlias = Annotated[str, Field(pattern=r"^[a-z0-9_-]{1,40}$")]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]

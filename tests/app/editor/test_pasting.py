@@ -12,10 +12,12 @@ from pydantic import ValidationError
 
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.copied import Copied
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, keyframe_of
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeyposeError
 from keypose.tracker.storage.files import load_session
 from tests.app.editor.desk import SAMPLE, after, angles, desk
 
@@ -147,3 +149,36 @@ def test_softness_is_copied_with_a_keyframe() -> None:
     state = after(desk(), {"do": "soften_key", "frame": 24}, {"do": "copy_pose", "frames": [0, 24]})
     state = after(state, {"do": "go", "frame": 40}, {"do": "paste_pose"})
     assert [k.frame for k in state.doc.subject.keyframes if k.soft] == [24, 64]
+
+
+def far_away(metres: float) -> EditorState:
+    """The body so far before the camera at frame 24."""
+    state = after(desk(), {"do": "go", "frame": 24})
+    keyframes = [
+        k.model_copy(update={"root_m": (*k.root_m[:2], metres)}) if k.frame == 24 else k
+        for k in state.doc.subject.keyframes
+    ]
+    return state.with_doc(state.doc.changed({"keyframes": tuple(keyframes)}))
+
+
+@pytest.mark.parametrize("metres", [9e3, 1.1e4, 9.9e4])
+def test_a_pose_is_copied_from_and_to_as_far_away_as_a_keyframe_may_be(metres: float) -> None:
+    state = after(far_away(metres), {"do": "copy_pose"}, {"do": "paste_pose", "mirrored": True})
+    assert state.clipboard is not None
+    again = Copied.model_validate_json(state.clipboard.text)
+    assert again.keys[0].root_m[2] == pytest.approx(metres)
+    state = after(state, {"do": "go", "frame": 30}, {"do": "paste_pose"}, {"do": "copy_pose"})
+    assert shown_pose(state).pose.p_camera_root[2] == pytest.approx(metres)
+
+
+def test_no_edit_moves_a_body_farther_away_than_a_keyframe_may_be() -> None:
+    state = far_away(9e4)
+    with pytest.raises(KeyposeError, match="farther than 100 km away"):
+        after(state, {"do": "lens", "mm": 2000})
+    farther = Pose(shown_pose(state).pose.Rs_parent_part, np.array([0.0, 0.0, 1.1e5]))
+    for use in (
+        lambda: Copied.pose_of(state.skeleton, farther),
+        lambda: keyframe_of(state.skeleton, farther, 0, state.times_s),
+    ):
+        with pytest.raises(ActionRefused, match=r"farther than 100 km away\."):
+            use()
