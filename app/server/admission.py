@@ -6,17 +6,22 @@ holds digests of both, which let nobody in.
 
 Tokens of a workspace outlast the server that printed them, so that a link that was not used yet
 still works after a restart. Their file holds digests too.
+
+Files hold times of the computer's clock, which somebody may set while a server runs: what it has
+let in, or read, grows old by a clock that nobody sets.
 """
 
 from __future__ import annotations
 
 import hashlib
 import hmac
+import math
 import secrets
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -41,6 +46,42 @@ class Secrets:
     key: str
 
 
+@dataclass(frozen=True)
+class Clock:
+    """now: seconds since 1970, which somebody may set.  elapsed: seconds since some moment, which
+    nobody can."""
+
+    now: Callable[[], float] = time.time
+    elapsed: Callable[[], float] = time.monotonic
+
+
+class _Ages:
+    """How old secrets are, by the digest of each. One that a file says is of the future is too old:
+    it would be let in for as long as a clock was wrong."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._since: dict[str, float] = {}
+        """By `elapsed`, of those that were seen to be valid."""
+
+    def of(self, digest: str, since_s: float) -> float:
+        """The age in seconds. since_s: as a file has it, seconds since 1970."""
+        if digest not in self._since:
+            age = self._clock.now() - since_s
+            if not age >= -AHEAD_S:
+                return math.inf
+            self._since[digest] = self._clock.elapsed() - max(age, 0.0)
+        return self._clock.elapsed() - self._since[digest]
+
+    def since_s(self, digest: str, since_s: float) -> float:
+        """When it was let in by the clock as it is set now, seconds since 1970."""
+        return self._clock.now() - self.of(digest, since_s)
+
+    def keep(self, digests: Iterable[str]) -> None:
+        """Forget all others."""
+        self._since = {digest: self._since[digest] for digest in digests if digest in self._since}
+
+
 class _Browser(BaseModel):
     model_config = ConfigDict(frozen=True)
 
@@ -56,8 +97,9 @@ class _Known(BaseModel):
 class Browsers:
     """file: where they are stored; None: they are forgotten with the process."""
 
-    def __init__(self, file: Path | None = None, now: Callable[[], float] = time.time) -> None:
-        self._file, self._now = file, now
+    def __init__(self, file: Path | None = None, clock: Clock | None = None) -> None:
+        self._file, self._clock = file, clock or Clock()
+        self._ages = _Ages(self._clock)
         self._known = self._valid(self._read())
 
     def admit(self) -> Secrets:
@@ -66,10 +108,12 @@ class Browsers:
         added = _Browser(
             cookie_sha256=_digest(given.cookie),
             key_sha256=_digest(given.key),
-            since_s=self._now(),
+            since_s=self._clock.now(),
         )
         # Another Keypose of the same workspace may have let others in meanwhile.
-        self._known = self._valid(dict.fromkeys((added, *self._known, *self._read())))
+        met = {browser.cookie_sha256: browser for browser in (added, *self._known, *self._read())}
+        self._known = self._valid(met.values())
+        self._ages.keep(browser.cookie_sha256 for browser in self._known)
         self._write()
         return given
 
@@ -90,11 +134,10 @@ class Browsers:
         return found
 
     def _valid(self, browsers: Iterable[_Browser]) -> tuple[_Browser, ...]:
-        """The newest, as long as they are let in without a new link. One of the future would be for
-        as long as a clock was wrong."""
-        now = self._now()
-        recent = [b for b in browsers if now - LONGEST_S <= b.since_s <= now + AHEAD_S]
-        return tuple(sorted(recent, key=lambda b: -b.since_s)[:MOST])
+        """The newest, as long as they are let in without a new link."""
+        ages = ((self._ages.of(b.cookie_sha256, b.since_s), b) for b in browsers)
+        recent = [(age, browser) for age, browser in ages if age <= LONGEST_S]
+        return tuple(browser for _, browser in sorted(recent, key=itemgetter(0))[:MOST])
 
     def _read(self) -> tuple[_Browser, ...]:
         """None where the file is not there, or others could have written it."""
@@ -109,7 +152,11 @@ class Browsers:
     def _write(self) -> None:
         if self._file is None:
             return
-        content = _Known(browsers=self._known).model_dump_json(indent=1).encode()
+        dated = (
+            b.model_copy(update={"since_s": self._ages.since_s(b.cookie_sha256, b.since_s)})
+            for b in self._known
+        )
+        content = _Known(browsers=tuple(dated)).model_dump_json(indent=1).encode()
         with suppress(KeyposeError):  # after a restart the new link would be needed
             make_folder(self._file.parent)
             write_file(self._file, content, overwrite=True, private=True, error=KeyposeError)
@@ -147,14 +194,15 @@ class OneTimeTokens:
     file: where they are stored; None: they end with the process.
     """
 
-    def __init__(self, file: Path | None = None, now: Callable[[], float] = time.time) -> None:
-        self._file, self._now = file, now
+    def __init__(self, file: Path | None = None, clock: Clock | None = None) -> None:
+        self._file, self._clock = file, clock or Clock()
+        self._ages = _Ages(self._clock)
         self._valid = self._recent(self._read() or ())
 
     def issue(self) -> str:
         """A new one."""
         token = secrets.token_urlsafe(_BYTES)
-        added = _Token(sha256=_digest(token), since_s=self._now())
+        added = _Token(sha256=_digest(token), since_s=self._clock.now())
         self._valid = self._recent((added, *self._present()))
         self._write()
         return token
@@ -175,10 +223,10 @@ class OneTimeTokens:
         return self._valid if stored is None else stored
 
     def _recent(self, tokens: Iterable[_Token]) -> tuple[_Token, ...]:
-        now = self._now()
-        return tuple(t for t in tokens if now - TOKEN_LONGEST_S <= t.since_s <= now + AHEAD_S)[
-            :MOST
-        ]
+        ages = ((self._ages.of(t.sha256, t.since_s), t) for t in tokens)
+        recent = tuple(token for age, token in ages if age <= TOKEN_LONGEST_S)[:MOST]
+        self._ages.keep(token.sha256 for token in recent)
+        return recent
 
     def _read(self) -> tuple[_Token, ...] | None:
         """None where there is no file, or others could have written it."""
@@ -192,7 +240,11 @@ class OneTimeTokens:
     def _write(self) -> None:
         if self._file is None:
             return
-        content = _KnownToken(tokens=self._valid).model_dump_json(indent=1).encode()
+        dated = (
+            t.model_copy(update={"since_s": self._ages.since_s(t.sha256, t.since_s)})
+            for t in self._valid
+        )
+        content = _KnownToken(tokens=tuple(dated)).model_dump_json(indent=1).encode()
         with suppress(KeyposeError):  # then they end with the process
             make_folder(self._file.parent)
             write_file(self._file, content, overwrite=True, private=True, error=KeyposeError)

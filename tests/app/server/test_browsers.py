@@ -7,12 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.server.admission import BROWSERS_FILE, LONGEST_S, MOST, Browsers
+from keypose.app.server.admission import BROWSERS_FILE, LONGEST_S, MOST, Browsers, Clock
 
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     return tmp_path / "workspace" / BROWSERS_FILE
+
+
+def clock_of(seconds: list[float]) -> Clock:
+    """A clock that is right: what it says is what has passed."""
+    return Clock(lambda: seconds[0], lambda: seconds[0])
 
 
 def test_a_browser_is_known_by_cookie_and_key_also_to_the_next_server(file: Path) -> None:
@@ -41,7 +46,7 @@ def test_two_servers_of_one_workspace_forget_none_of_each_others_browsers(file: 
 
 def test_the_newest_are_remembered_for_a_while(file: Path) -> None:
     now = [0.0]
-    browsers = Browsers(file, lambda: now[0])
+    browsers = Browsers(file, clock_of(now))
     given = []
     for now[0] in range(MOST + 1):
         given.append(browsers.admit())
@@ -50,16 +55,38 @@ def test_the_newest_are_remembered_for_a_while(file: Path) -> None:
     now[0] = LONGEST_S + 1.5
     assert not browsers.has_cookie(given[1].cookie)
     assert browsers.has_cookie(given[2].cookie)
-    assert not Browsers(file, lambda: now[0]).has_cookie(given[1].cookie)
+    assert not Browsers(file, clock_of(now)).has_cookie(given[1].cookie)
 
 
 def test_one_that_was_let_in_under_a_clock_of_the_future_is_not_known_under_the_right_one(
     file: Path,
 ) -> None:
-    given = Browsers(file, lambda: 10 * LONGEST_S).admit()
-    assert not Browsers(file, lambda: 0.0).has_cookie(given.cookie)
-    near = Browsers(file, lambda: 60.0).admit()
-    assert Browsers(file, lambda: 0.0).has_cookie(near.cookie)
+    given = Browsers(file, clock_of([10 * LONGEST_S])).admit()
+    assert not Browsers(file, clock_of([0.0])).has_cookie(given.cookie)
+    near = Browsers(file, clock_of([60.0])).admit()
+    assert Browsers(file, clock_of([0.0])).has_cookie(near.cookie)
+
+
+@pytest.mark.parametrize("step_s", [-3 * 3600.0, -10 * LONGEST_S, 3 * 3600.0, 2 * LONGEST_S])
+@pytest.mark.parametrize("restarted", [False, True])
+def test_a_clock_that_is_set_while_it_runs_locks_nobody_out_and_keeps_nobody_in(
+    file: Path, step_s: float, restarted: bool
+) -> None:
+    start = 20 * LONGEST_S
+    now, elapsed = [start], [5.0]
+    clock = Clock(lambda: now[0], lambda: elapsed[0])
+    first = Browsers(file, clock)
+    given = first.admit()
+    browsers = Browsers(file, clock) if restarted else first
+    now[0] += step_s
+    assert browsers.has_key(given.cookie, given.key)
+    other = browsers.admit()
+    assert browsers.has_cookie(given.cookie)
+    # the file has the times of the clock as it is now
+    assert Browsers(file, clock_of([now[0]])).has_cookie(given.cookie)
+    assert Browsers(file, clock_of([now[0]])).has_cookie(other.cookie)
+    elapsed[0] += LONGEST_S + 1.0
+    assert not browsers.has_cookie(given.cookie)
 
 
 @pytest.mark.parametrize("how", ["readable", "link", "folder", "damaged", "other", "huge"])

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from keypose.app.server.admission import LINKS_FILE, TOKEN_LONGEST_S, OneTimeTokens
+from keypose.app.server.admission import LINKS_FILE, TOKEN_LONGEST_S, Clock, OneTimeTokens
+from tests.app.server.test_browsers import clock_of
 
 
 @pytest.fixture
@@ -48,16 +49,34 @@ def test_two_servers_of_one_workspace_know_each_others_links_and_each_is_used_on
 
 
 def test_a_link_of_a_clock_of_the_future_lets_nobody_in_under_the_right_one(file: Path) -> None:
-    token = OneTimeTokens(file, lambda: 10 * TOKEN_LONGEST_S).issue()
-    assert not OneTimeTokens(file, lambda: 0.0).spend(token)
+    token = OneTimeTokens(file, clock_of([10 * TOKEN_LONGEST_S])).issue()
+    assert not OneTimeTokens(file, clock_of([0.0])).spend(token)
 
 
 def test_a_link_is_good_for_a_day(file: Path) -> None:
     now = [0.0]
-    tokens = OneTimeTokens(file, lambda: now[0])
+    tokens = OneTimeTokens(file, clock_of(now))
     token = tokens.issue()
     now[0] = TOKEN_LONGEST_S + 1
     assert not tokens.spend(token)
+
+
+@pytest.mark.parametrize("step_s", [-3 * 3600.0, -10 * TOKEN_LONGEST_S, 2 * TOKEN_LONGEST_S])
+@pytest.mark.parametrize("on_disk", [True, False])
+def test_a_clock_that_is_set_while_it_runs_uses_up_no_link_and_makes_none_last(
+    file: Path, step_s: float, on_disk: bool
+) -> None:
+    now, elapsed = [20 * TOKEN_LONGEST_S], [5.0]
+    tokens = OneTimeTokens(file if on_disk else None, Clock(lambda: now[0], lambda: elapsed[0]))
+    used, second, old = tokens.issue(), tokens.issue(), tokens.issue()
+    assert tokens.spend(used)
+    now[0] += step_s
+    newest = tokens.issue()
+    assert tokens.spend(second)
+    assert tokens.spend(newest)
+    assert not any(map(tokens.spend, (used, second, newest)))
+    elapsed[0] += TOKEN_LONGEST_S + 1.0
+    assert not tokens.spend(old)
 
 
 @pytest.mark.parametrize("how", ["readable", "damaged", "folder"])
