@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 from bench.table import Report
-from keypose.tracker.formats.apart import read_apart
+from keypose.tracker.apart import read_apart
 from keypose.tracker.limits import limit_memory
 from tests.fuzzing import fault, kinds, mutant
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from keypose.tracker.formats.apart import read_apart
+from keypose.tracker.apart import read_apart
 from tests.fuzzing import fault, kinds, mutant
 
 MUTANTS, MUTANTS_APART = 150, 3

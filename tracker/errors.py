@@ -74,10 +74,6 @@ class ChoiceError(FormatError):
         super().__init__(words)
         self.option, self.choices = option, tuple(choices)
 
-    def __reduce__(self) -> tuple[type[ChoiceError], tuple[str, str, tuple[str, ...]]]:
-        """So that it comes whole from another process."""
-        return ChoiceError, (str(self), self.option, self.choices)
-
 
 # --- sentences
 

@@ -9,10 +9,10 @@ from keypose.app.cli.arguments import (
     note,
 )
 from keypose.app.cli.json_output import json_value, print_json
+from keypose.tracker.apart import reading_apart
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.evaluate import Evaluation, Measure, Spread, evaluate, evaluate_joints
-from keypose.tracker.formats.apart import reading_apart
 from keypose.tracker.formats.reference import load_reference
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.fingerprints import open_ends

@@ -34,8 +34,8 @@ from keypose.app.orders.imports import (
     ImportMotion,
 )
 from keypose.app.words.imports import note_words
+from keypose.tracker.apart import reading_apart
 from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.apart import reading_apart
 from keypose.tracker.formats.keypoint_files import read_people
 from keypose.tracker.formats.reading import load_motion
 from keypose.tracker.session import Session

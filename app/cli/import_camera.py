@@ -19,8 +19,8 @@ from keypose.app.export.recognising import camera_facts
 from keypose.app.orders.imports import ImportCamera
 from keypose.app.words.camera import imported_words
 from keypose.app.words.imports import note_words
+from keypose.tracker.apart import reading_apart
 from keypose.tracker.body.heading import CAMERA_UP
-from keypose.tracker.formats.apart import reading_apart
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of, save_session

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from keypose.app.export.motion_files import sampled
 from keypose.app.orders.motion import MotionOrder
-from keypose.tracker.formats.apart import read_apart
+from keypose.tracker.apart import read_apart
 from keypose.tracker.formats.marker_files import trc
 from keypose.tracker.formats.marker_sets import markers_of
 from keypose.tracker.formats.opensim.model import read_model, scaled

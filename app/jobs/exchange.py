@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from keypose.app.jobs.side_process import Progress
 from keypose.app.orders.drawing import FilmOrder, MatteOrder, PicturesOrder, SheetOrder
-from keypose.tracker.formats.apart import LARGEST_COPY_BYTES, MEMORY_BYTES, SECONDS, died_words
+from keypose.tracker.apart import LARGEST_COPY_BYTES, MEMORY_BYTES, SECONDS, died_words
 from keypose.tracker.limits import limit_memory, limit_time
 from keypose.tracker.session import Session
 

@@ -1,7 +1,7 @@
 """One piece of work in a process of its own, so that the page stays quick.
 
-What is done there comes back as the newest state; a file of a stranger is read within limits, so
-that one that is made to harm ends its own process and nothing else.
+What is done there comes back as the newest state, as plain facts; a file of a stranger is read
+within limits, so that one that is made to harm ends its own process and nothing else.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from threading import Event, Thread
 from typing import Any, Literal, Protocol, TypeAlias
 
 from keypose.app.jobs.process import end_process
-from keypose.app.jobs.wire import receive, send
 from keypose.tracker.errors import KeyposeError
+from keypose.tracker.plain import NotPlain, from_bytes, to_bytes
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Receives how many of how many are done."""
@@ -79,9 +79,11 @@ class SideProcess:
         end_process(self._process)
 
     def _receive(self, reports: Connection) -> None:
-        with reports, suppress(EOFError, OSError):
+        with reports, suppress(EOFError, OSError, NotPlain):
             while True:
-                report = receive(reports)
+                report = from_bytes(reports.recv_bytes())
+                if not isinstance(report, WorkState):
+                    break
                 if self.state.state == "running":
                     self.state = report
         if self.state.state == "running":
@@ -104,17 +106,20 @@ def _work(work: Work, reports: Connection) -> None:
     with suppress(OSError, AttributeError):
         os.nice(NICENESS)
 
+    def send(state: WorkState) -> None:
+        reports.send_bytes(to_bytes(state))
+
     def progress(done: int, of: int) -> None:
-        send(reports, WorkState("running", done, of))
+        send(WorkState("running", done, of))
 
     try:
-        send(reports, WorkState("done", result=work.do(progress)))
+        send(WorkState("done", result=work.do(progress)))
     except KeyposeError as error:
-        send(reports, WorkState("failed", words=str(error)))
+        send(WorkState("failed", words=str(error)))
     except OSError as error:
-        send(reports, WorkState("failed", words=f"{error.strerror or error}."))
+        send(WorkState("failed", words=f"{error.strerror or error}."))
     except MemoryError:
-        send(reports, WorkState("failed", words=work.died))
+        send(WorkState("failed", words=work.died))
     except Exception:  # noqa: BLE001 — a fault of ours, which must be reported
         traceback.print_exc()
-        send(reports, WorkState("failed", words=work.died))
+        send(WorkState("failed", words=work.died))

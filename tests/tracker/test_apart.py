@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from keypose.tracker import apart
+from keypose.tracker.apart import read_apart
 from keypose.tracker.errors import ChoiceError, FormatError
-from keypose.tracker.formats import apart
-from keypose.tracker.formats.apart import read_apart
 from keypose.tracker.formats.keypoint_files import read_people
 from tests.tracker.formats import animals
 from tests.tracker.formats.test_reading_animals import NAMES, UV
@@ -21,6 +21,13 @@ HARM = {
     "hoards": "bytearray(2**40)",
     "raises what it should not": "raise RecursionError",
     "answers what cannot be sent": "held = lambda: 1",
+    "answers with a program": (
+        "import os\n"
+        "for number in range(3, 30):\n"
+        "    try: os.write(number, b'cos\\n_exit\\n(I9\\ntR.')\n"
+        "    except OSError: continue\n"
+        "os._exit(0)"
+    ),
 }
 """What a damaged file may make of its reader: here the file is the reader's own code."""
 

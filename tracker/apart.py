@@ -1,10 +1,11 @@
 """Reading files of strangers in a child process, within limits of memory and time.
 
-    python -P -m keypose.tracker.formats.apart MODULE NAME
+    python -P -m keypose.tracker.apart MODULE NAME
 
 A damaged file can crash the library that reads it, keep it going for ever, or make it take all
 memory. The child is told which reader, and on standard input, pickled, with which arguments. It
-answers with what was read, or with the error that says in one sentence why there is nothing.
+answers with what was read, or with the error that says in one sentence why there is nothing: as
+plain facts, for a file that has taken hold of its reader may answer anything.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Any, Final, TypeVar
 
 from keypose.tracker.errors import FormatError, KeyposeError
 from keypose.tracker.limits import limit_memory, limit_time
+from keypose.tracker.plain import NotPlain, from_bytes, to_bytes
 
 T = TypeVar("T")
 
@@ -67,8 +69,8 @@ def reading_apart(reader: Callable[..., T]) -> Iterator[Callable[..., T]]:
 def _answer(child: subprocess.Popen[bytes], path: Path, arguments: tuple[Any, ...]) -> Any:
     question = pickle.dumps((MEMORY_BYTES, SECONDS, path, *arguments))
     try:
-        answer = pickle.loads(child.communicate(question, timeout=PATIENCE_S)[0])
-    except (subprocess.TimeoutExpired, EOFError, pickle.UnpicklingError):
+        answer = from_bytes(child.communicate(question, timeout=PATIENCE_S)[0])
+    except (subprocess.TimeoutExpired, NotPlain):
         raise FormatError(died_words(path.name)) from None
     if isinstance(answer, KeyposeError):
         raise answer
@@ -96,7 +98,7 @@ def main() -> None:
     except KeyposeError as error:
         answer = error
     with answers:
-        pickle.dump(answer, answers, pickle.HIGHEST_PROTOCOL)
+        answers.write(to_bytes(answer))
 
 
 if __name__ == "__main__":
