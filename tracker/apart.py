@@ -17,6 +17,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -37,16 +38,37 @@ LARGEST_COPY_BYTES: Final = 96 * 2**20
 """Of a file that the child may write: the library that reads C3D needs a copy."""
 
 
-def read_apart(reader: Callable[..., T], path: Path, *arguments: Any) -> T:
-    """Return what a reader makes of a file; FormatError in one sentence, whatever the file does to
-    it.
+def died_words(file: str) -> str:
+    """Return what is said of a file whose reader ended without a word."""
+    return f"{file} is damaged, or needs too much time or memory to be read: export it again."
+
+
+def _damaged(path: Path) -> KeyposeError:
+    return FormatError(died_words(path.name))
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What a reader may do. died: the error where it ended without a word, of the file's path.
+    written_bytes: of each file that it may write."""
+
+    died: Callable[[Path], KeyposeError] = _damaged
+    written_bytes: int = LARGEST_COPY_BYTES
+
+
+READING: Final = Terms()
+
+
+def read_apart(reader: Callable[..., T], path: Path, *arguments: Any, terms: Terms = READING) -> T:
+    """Return what a reader makes of a file; the error of `terms`, by itself FormatError, in one
+    sentence, whatever the file does to it.
     """
-    with reading_apart(reader) as read:
+    with reading_apart(reader, terms) as read:
         return read(path, *arguments)
 
 
 @contextmanager
-def reading_apart(reader: Callable[..., T]) -> Iterator[Callable[..., T]]:
+def reading_apart(reader: Callable[..., T], terms: Terms = READING) -> Iterator[Callable[..., T]]:
     """The same as a function, to be called once: its child starts while there is other work."""
     from keypose.tracker.scratch import Scratch  # which the child need not load
 
@@ -60,26 +82,24 @@ def reading_apart(reader: Callable[..., T]) -> Iterator[Callable[..., T]]:
             start_new_session=True,  # Ctrl+C reaches this program, which then ends it
         )  # fmt: skip
         try:
-            yield lambda path, *arguments: _answer(child, path, arguments)
+            yield lambda path, *arguments: _answer(child, path, arguments, terms)
         finally:
             child.kill()
             child.communicate()
 
 
-def _answer(child: subprocess.Popen[bytes], path: Path, arguments: tuple[Any, ...]) -> Any:
-    question = pickle.dumps((MEMORY_BYTES, SECONDS, path, *arguments))
+def _answer(
+    child: subprocess.Popen[bytes], path: Path, arguments: tuple[Any, ...], terms: Terms
+) -> Any:
+    limits = MEMORY_BYTES, terms.written_bytes, SECONDS
+    question = pickle.dumps((*limits, path, *arguments))
     try:
         answer = from_bytes(child.communicate(question, timeout=PATIENCE_S)[0])
     except (subprocess.TimeoutExpired, NotPlain):
-        raise FormatError(died_words(path.name)) from None
+        raise terms.died(path) from None
     if isinstance(answer, KeyposeError):
         raise answer
     return answer
-
-
-def died_words(file: str) -> str:
-    """Return what is said of a file whose reader ended without a word."""
-    return f"{file} is damaged, or needs too much time or memory to be read: export it again."
 
 
 def main() -> None:
@@ -90,8 +110,8 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever a library prints must not get into the answer
     warnings.simplefilter("ignore")  # what is wrong with a file is checked, and said in a sentence
-    memory, seconds, *arguments = pickle.load(sys.stdin.buffer)
-    limit_memory(memory, LARGEST_COPY_BYTES)
+    memory, written, seconds, *arguments = pickle.load(sys.stdin.buffer)
+    limit_memory(memory, written)
     limit_time(seconds)
     try:
         answer = reader(*arguments)

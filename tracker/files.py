@@ -116,6 +116,51 @@ def read_private(path: Path, most_bytes: int) -> bytes:
         return _read_at_most(path, file, most_bytes)
 
 
+def read_unshared(path: Path, most_bytes: int) -> bytes:
+    """All of a file that no other user can change or put another in the place of, through no link.
+    OSError as `read_own`, and NotRegular where others may write to it or to its folder."""
+    _require_no_link(path, path.lstat())
+    require_unshared(path.parent)
+    with open_regular(path) as file:
+        _require_unwritten(path, os.fstat(file.fileno()))
+        return _read_at_most(path, file, most_bytes)
+
+
+def require_unshared(folder: Path) -> None:
+    """NotRegular where another user may change what is in a folder, or put another one in its
+    place; OSError where there is none."""
+    place = folder.resolve()
+    _require_unwritten(place, place.stat())
+    for above in {place.parent, folder.parent.resolve()}:
+        facts = above.stat()
+        if not facts.st_mode & stat.S_ISVTX:  # in which nobody moves what is another's
+            _require_unwritten(above, facts)
+
+
+def _require_unwritten(path: Path, facts: os.stat_result) -> None:
+    """NotRegular unless it is this user's, or the system's, and nobody else may write to it."""
+    if os.name != "posix":  # modes say nothing there, and a home folder is its owner's
+        return
+    if facts.st_uid not in (0, os.getuid()):
+        raise NotRegular(path, "it belongs to another user")
+    others = stat.S_IWOTH if _is_own_group(facts.st_gid) else stat.S_IWOTH | stat.S_IWGRP
+    if facts.st_mode & others:
+        raise NotRegular(path, f"other users may write to {str(path)!r}: run chmod go-w on it")
+
+
+def _is_own_group(gid: int) -> bool:
+    """Return whether a group is that of this user alone, as many systems make one for each."""
+    import grp
+    import pwd
+
+    try:
+        user, group = pwd.getpwuid(os.getuid()), grp.getgrgid(gid)
+    except KeyError:
+        return False
+    is_named_so = gid == user.pw_gid and group.gr_name == user.pw_name
+    return is_named_so and set(group.gr_mem) <= {user.pw_name}
+
+
 def require_own(path: Path, facts: os.stat_result, *, one_name: bool = True) -> None:
     """NotRegular unless these facts, read without following a link, are of a file Keypose may
     write to."""

@@ -24,6 +24,7 @@ from keypose.tracker.files import (
     read_own,
     read_private,
     read_regular,
+    read_unshared,
 )
 from keypose.tracker.formats.joint_names import load_names
 from keypose.tracker.formats.reading import load_motion
@@ -251,3 +252,32 @@ def test_all_other_readers_open_files_in_this_way() -> None:
     modules = [path for package in ("app", "tracker") for path in (root / package).rglob("*.py")]
     found = {path.relative_to(root).as_posix() for path in modules if reads_of(path)}
     assert found == set(OWN_READS)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes say nothing here")
+def test_what_others_may_change_or_exchange_is_not_trusted(tmp_path: Path) -> None:
+    folder = tmp_path / "above" / "folder"
+    folder.mkdir(parents=True)
+    file = folder / "note"
+    file.write_bytes(b"a note")
+    assert read_unshared(file, 9) == b"a note"
+    for place in (file, folder, folder.parent):
+        before = place.stat().st_mode
+        place.chmod(before | stat.S_IWOTH)
+        with pytest.raises(NotRegular, match="run chmod go-w on it"):
+            read_unshared(file, 9)
+        place.chmod(before)
+    folder.parent.chmod(0o1777)  # as /tmp, in which nobody moves what is another's
+    assert read_unshared(file, 9) == b"a note"
+    folder.parent.chmod(0o755)
+    with pytest.raises(TooLarge):
+        read_unshared(file, 5)
+    (folder / "link").symlink_to(file)
+    with pytest.raises(NotRegular, match="link"):
+        read_unshared(folder / "link", 9)
+    other = tmp_path / "other"
+    other.symlink_to(folder)
+    assert read_unshared(other / "note", 9) == b"a note"
+    folder.parent.chmod(0o777)
+    with pytest.raises(NotRegular, match="other users may write"):
+        read_unshared(other / "note", 9)

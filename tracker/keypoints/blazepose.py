@@ -91,7 +91,7 @@ class BlazePose:
     @classmethod
     def open(cls, model: Model = FULL, *, fast: bool | None = None) -> BlazePose:
         """Read a network's file; fast, and KeypointError, as of `open_runtime`."""
-        return cls(model, open_runtime(verified(model), _OUTPUTS, fast=fast))
+        return cls(model, open_runtime(model.file, verified(model), _OUTPUTS, fast=fast))
 
     @property
     def fingerprint(self) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -52,7 +51,7 @@ class JointNetwork:
         """Read a network's file, and look at nothing once; fast, and KeypointError, as of
         `open_runtime`."""
         assert model.heads is not None
-        runtime = open_heads(verified(model), model.heads, fast=fast)
+        runtime = open_heads(model.file, verified(model), model.heads, fast=fast)
         network = cls(model, model.heads, runtime)
         try:  # what added it was perhaps another runtime, or its note is of another file
             seen = network.infer(np.zeros((8, 8, 3), np.uint8), Region(3.5, 3.5, 8.0))
@@ -92,13 +91,15 @@ def _in_picture(xy: Array, confidence: Array, to_picture: Array) -> SeenJoints:
     return SeenJoints(known @ to_picture[:, :2].T + to_picture[:, 2], confidence)
 
 
-def open_heads(path: Path, heads: JointHeads, *, fast: bool | None = None) -> Runtime:
+def open_heads(
+    file: str, content: bytes, heads: JointHeads, *, fast: bool | None = None
+) -> Runtime:
     """Read the file of a network of joints, as `open_runtime`."""
     kind = KINDS[heads.kind]
     needs_fast = kind.needs_fast or heads.needs_fast
     if needs_fast and not fast_is_here(ONNX):
-        raise needs_onnx_runtime(kind.title if kind.needs_fast else f"The network {path.name!r}")
-    return open_runtime(path, heads.outputs, fast=needs_fast or fast)
+        raise needs_onnx_runtime(kind.title if kind.needs_fast else f"The network {file!r}")
+    return open_runtime(file, content, heads.outputs, fast=needs_fast or fast)
 
 
 def needs_onnx_runtime(what: str) -> KeypointError:

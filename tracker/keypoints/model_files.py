@@ -19,7 +19,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
-from keypose.tracker.files import read_own, read_regular
+from keypose.tracker.files import read_regular, read_unshared
 from keypose.tracker.session.settings import NetworkName, network_name
 
 LARGEST_BYTES: Final = 256 * 2**20
@@ -183,7 +183,8 @@ def find_model(name: str) -> Model:
             return model
     path = added_file(name)
     try:
-        added = _added(read_own(path.with_suffix(".json"), LARGEST_NOTE_BYTES))
+        # its digest is all that is known of a network that others must not exchange
+        added = _added(read_unshared(path.with_suffix(".json"), LARGEST_NOTE_BYTES))
         return Model(name, path.name, added.sha256, added.size_mb, bundled=False, heads=added.heads)
     except FileNotFoundError:
         names = listed([*(model.name for model in MODELS), *added_names()])
@@ -219,8 +220,9 @@ def added_models() -> tuple[Model, ...]:
 _added = lru_cache(maxsize=32)(AddedNetwork.model_validate_json)
 
 
-def verified(model: Model) -> Path:
-    """The path of a network's file, which has been checked to hold exactly that network.
+def verified(model: Model) -> bytes:
+    """A network's file, which has been checked to be exactly that network: what is checked is what
+    is run, whatever becomes of the file meanwhile.
 
     KeypointError in one sentence when it is missing or damaged.
     """
@@ -237,7 +239,7 @@ def verified(model: Model) -> Path:
         raise KeypointError(
             f"{str(model.path)!r} is damaged or is not the {model.name} network: {again}."
         )
-    return model.path
+    return content
 
 
 def adding(model: Model) -> str:

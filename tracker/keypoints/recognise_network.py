@@ -10,12 +10,13 @@ import numpy as np
 from pydantic import ValidationError
 
 from keypose.tracker.errors import KeypointError, listed
+from keypose.tracker.files import read_regular
 from keypose.tracker.keypoints.joint_kinds import KINDS, prepared
 from keypose.tracker.keypoints.joint_network import needs_onnx_runtime, open_heads
 from keypose.tracker.keypoints.known_person import seen_on_person
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.mmdeploy import levels_of
-from keypose.tracker.keypoints.model_files import JointHeads, JointKind
+from keypose.tracker.keypoints.model_files import LARGEST_BYTES, JointHeads, JointKind
 from keypose.tracker.keypoints.onnx_header import Shape, Signature, read_signature
 from keypose.tracker.keypoints.opencv_nodes import differing_operation
 from keypose.tracker.keypoints.runtimes import (
@@ -35,16 +36,16 @@ _USUAL: Final = (256, 192)
 """Height and width of ViTPose's input where the file leaves them open."""
 
 
-def recognised(
-    path: Path, content: bytes, source: str, pipeline: bytes | None = None
-) -> JointHeads:
+def recognised(path: Path, source: str, pipeline: bytes | None = None) -> JointHeads:
     """What a network of joints is shown and answers with. It is run on a blank picture, on noise
-    where both libraries are here, and on one of a person.
+    where both libraries are here, and on one of a person, by libraries that it may end: in a
+    process of its own.
 
-    path, content: of the ONNX file.  source: what it is called in a sentence.  pipeline: the
+    path: of the ONNX file.  source: what it is called in a sentence.  pipeline: the
     `pipeline.json` that lies beside it.
     KeypointError in one sentence where it is no such network, or cannot be run here.
     """
+    content = read_regular(path, LARGEST_BYTES)
     heads = promised(content, source)
     if (differs := differing_operation(content)) is not None:
         if not fast_is_here(ONNX):
@@ -53,10 +54,10 @@ def recognised(
     if pipeline is not None:
         levels = levels_of(pipeline, (heads.width, heads.height), source)
         heads = heads.model_copy(update={"levels": levels})
-    runtime = open_heads(path, heads)
+    runtime = open_heads(path.name, content, heads)
     heads = _with_layout(heads, _run_blank(runtime, heads, source), content, source)
     if not heads.needs_fast and not KINDS[heads.kind].needs_fast and fast_is_here(ONNX):
-        heads = heads.model_copy(update={"needs_fast": _differ_on_noise(path, heads)})
+        heads = heads.model_copy(update={"needs_fast": _differ_on_noise(path.name, content, heads)})
     return seen_on_person(heads, runtime)
 
 
@@ -88,13 +89,13 @@ def _with_layout(
     return JointHeads.model_validate({**heads.model_dump(), "layout": layout})
 
 
-def _differ_on_noise(path: Path, heads: JointHeads) -> bool:
+def _differ_on_noise(file: str, content: bytes, heads: JointHeads) -> bool:
     """Whether OpenCV answers otherwise than ONNX Runtime, or not at all."""
     levels = np.random.default_rng(0).uniform(0, 255, (3, heads.height, heads.width))
     shown = prepared(heads, levels.astype(np.float32))
-    expected = open_runtime(path, heads.outputs, fast=True).run(shown)
+    expected = open_runtime(file, content, heads.outputs, fast=True).run(shown)
     try:
-        found = open_runtime(path, heads.outputs, fast=False).run(shown)
+        found = open_runtime(file, content, heads.outputs, fast=False).run(shown)
     except Exception:  # noqa: BLE001  then only the other one runs it, which is what is asked
         return True
     return not all(

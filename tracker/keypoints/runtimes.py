@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.scratch import Scratch
 
 Tensor = NDArray[np.float32]
 TFLITE, ONNX = ".tflite", ".onnx"
@@ -41,14 +42,16 @@ class Runtime(Protocol):
         ...
 
 
-def open_runtime(path: Path, outputs: Sequence[str], *, fast: bool | None = None) -> Runtime:
-    """Read a network's file.
+def open_runtime(
+    file: str, content: bytes, outputs: Sequence[str], *, fast: bool | None = None
+) -> Runtime:
+    """Read a network's file: these bytes, whatever lies on the disk by now.
 
-    outputs: their names, in the order in which they are wanted.
+    file: its name.  outputs: their names, in the order in which they are wanted.
     fast: by the package for such files; None: where it is installed.
     KeypointError in one sentence where the file cannot be run, or the package is not installed.
     """
-    suffix = path.suffix
+    suffix = Path(file).suffix
     if fast is None:
         fast = fast_is_here(suffix)
     if fast and not fast_is_here(suffix):
@@ -58,9 +61,9 @@ def open_runtime(path: Path, outputs: Sequence[str], *, fast: bool | None = None
     fastest: type[_LiteRT | _OnnxRuntime] = _LiteRT if suffix == TFLITE else _OnnxRuntime
     kind: type[_LiteRT | _OnnxRuntime | _OpenCV] = fastest if fast else _OpenCV
     try:
-        return kind(str(path), tuple(outputs))
+        return kind(suffix, content, tuple(outputs))
     except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
-        what = f"The network {path.name!r}"
+        what = f"The network {file!r}"
         raise cannot_run(what, runtime_name(suffix, fast), error) from None
 
 
@@ -87,14 +90,15 @@ def runtime_name(suffix: str, fast: bool | None = None) -> str:
 
 
 class _OpenCV:
-    def __init__(self, path: str, outputs: tuple[str, ...]) -> None:
-        # By path: from bytes, OpenCV 5 takes its new engine whatever is asked for, and that one
-        # cannot run BlazePose; of ONNX it is the faster one.
-        suffix = Path(path).suffix
+    def __init__(self, suffix: str, content: bytes, outputs: tuple[str, ...]) -> None:
         engine = getattr(cv2.dnn, "ENGINE_CLASSIC" if suffix == TFLITE else "ENGINE_AUTO", None)
         read: Any = cv2.dnn.readNetFromTFLite if suffix == TFLITE else cv2.dnn.readNetFromONNX
-        with _quiet():
-            self._net: Any = read(path, *(() if engine is None else (engine,)))
+        # By the path of a copy: from bytes, OpenCV 5 takes its new engine whatever is asked for,
+        # and that one cannot run BlazePose; of ONNX it is the faster one.
+        with Scratch("network") as folder, _quiet():
+            copy = folder / f"network{suffix}"
+            copy.write_bytes(content)
+            self._net: Any = read(str(copy), *(() if engine is None else (engine,)))
         self._outputs = list(outputs)
         self.name = runtime_name(suffix, fast=False)
 
@@ -106,10 +110,10 @@ class _OpenCV:
 
 
 class _LiteRT:
-    def __init__(self, path: str, outputs: tuple[str, ...]) -> None:
+    def __init__(self, _: str, content: bytes, outputs: tuple[str, ...]) -> None:
         from ai_edge_litert.interpreter import Interpreter
 
-        self._net: Any = Interpreter(model_path=path, num_threads=1)
+        self._net: Any = Interpreter(model_content=content, num_threads=1)
         self._net.allocate_tensors()
         self._input = self._net.get_input_details()[0]["index"]
         by_name = {o["name"]: o["index"] for o in self._net.get_output_details()}
@@ -123,14 +127,14 @@ class _LiteRT:
 
 
 class _OnnxRuntime:
-    def __init__(self, path: str, outputs: tuple[str, ...]) -> None:
+    def __init__(self, _: str, content: bytes, outputs: tuple[str, ...]) -> None:
         import onnxruntime
 
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.log_severity_level = 3
         self._net: Any = onnxruntime.InferenceSession(
-            path, options, providers=["CPUExecutionProvider"]
+            content, options, providers=["CPUExecutionProvider"]
         )
         self._input = self._net.get_inputs()[0].name
         self._outputs = list(outputs)

@@ -6,18 +6,19 @@ import hashlib
 import io
 import re
 import tarfile
-import tempfile
 import zipfile
 import zlib
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from keypose.tracker.apart import Terms, read_apart
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.files import read_regular
+from keypose.tracker.files import read_regular, require_unshared
 from keypose.tracker.keypoints.model_files import (
     LARGEST_BYTES,
     MODELS,
     AddedNetwork,
+    JointHeads,
     Model,
     added_file,
     added_names,
@@ -26,6 +27,7 @@ from keypose.tracker.keypoints.model_files import (
     require_network_name,
 )
 from keypose.tracker.keypoints.recognise_network import recognised
+from keypose.tracker.scratch import Scratch, sweep_scratch
 from keypose.tracker.storage.atomic import make_folder, write_file
 
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
@@ -86,22 +88,40 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
     if content.startswith(_ZIP):
         content, pipeline = _unzipped(content, source)
         digest = hashlib.sha256(content).hexdigest()
-    with tempfile.TemporaryDirectory(prefix="keypose-") as folder:
-        file = Path(folder) / f"{name}.onnx"
-        write_file(file, content, error=KeypointError)
-        heads = recognised(file, content, source, pipeline)
+    heads = _recognised(name, content, source, pipeline)
     size_mb = round(len(content) / 1e6, 1)
     added = AddedNetwork(name=name, sha256=digest, size_mb=size_mb, heads=heads)
     place = added_file(name)
     make_folder(place.parent, error=KeypointError)
     try:
-        write_file(place, content, overwrite=True, error=KeypointError)
+        require_unshared(place.parent)
+        write_file(place, content, overwrite=True, private=True, error=KeypointError)
         note = added.model_dump_json(indent=2).encode()
-        write_file(place.with_suffix(".json"), note, overwrite=True, error=KeypointError)
+        file = place.with_suffix(".json")
+        write_file(file, note, overwrite=True, private=True, error=KeypointError)
+    except OSError as error:
+        raise KeypointError(
+            f"No network is kept in {str(place.parent)!r}: {error.strerror or error}."
+        ) from None
     except KeypointError:
         _discard(place, place.with_suffix(".json"))
         raise
     return find_model(name)
+
+
+def _recognised(name: str, content: bytes, source: str, pipeline: bytes | None) -> JointHeads:
+    """What a network is shown and answers with, as a process of its own finds of a copy that nobody
+    else can change."""
+    words = (
+        f"{source} ends the library that runs it, or needs too much time or memory: it is damaged, "
+        "or none that is read."
+    )
+    terms = Terms(died=lambda _: KeypointError(words), written_bytes=LARGEST_BYTES)
+    sweep_scratch()
+    with Scratch("network") as folder:
+        file = folder / f"{name}.onnx"
+        write_file(file, content, private=True, error=KeypointError)
+        return read_apart(recognised, file, source, pipeline, terms=terms)
 
 
 def remove_network(name: str) -> None:

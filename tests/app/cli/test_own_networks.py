@@ -5,8 +5,10 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import os
 import re
 import shutil
+import subprocess
 import zipfile
 from contextlib import nullcontext
 from pathlib import Path
@@ -17,9 +19,18 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints import joint_network, model_files, recognise_network, runtimes
+from keypose.tracker.keypoints import model_files, runtimes
 from keypose.tracker.keypoints.joint_network import JointNetwork
-from keypose.tracker.keypoints.model_files import FULL, THUNDER, Model, added_folder, find_model
+from keypose.tracker.keypoints.model_files import (
+    FULL,
+    THUNDER,
+    Model,
+    added_folder,
+    find_model,
+    is_content,
+)
+from keypose.tracker.keypoints.region import Region
+from keypose.tracker.scratch import Scratch
 from keypose.tracker.session.settings import ALL_CUES
 from keypose.tracker.storage import networks
 from keypose.tracker.storage.files import load_session, save_session
@@ -354,12 +365,11 @@ def test_bins_are_told_by_their_shape_whatever_they_are_called(
     assert (heads.kind, heads.outputs) == ("simcc", ("output", "1337"))
 
 
+@pytest.mark.skipif(runtimes.fast_is_here(runtimes.ONNX), reason="ONNX Runtime is here")
 def test_what_opencv_computes_otherwise_needs_the_other_library(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     content = tiny.simcc(also=[tiny.node("Softmax", ["seen"], "unasked", axis=1)])
-    for module in (joint_network, recognise_network, runtimes):
-        monkeypatch.setattr(module, "fast_is_here", lambda suffix: False)
     assert add(tmp_path, content) == 2
     words = capsys.readouterr().err
     assert "has Softmax of operator set 11, which OpenCV computes otherwise" in words
@@ -377,3 +387,77 @@ def test_where_it_is_here_it_is_used_and_that_is_kept(tmp_path: Path) -> None:
     heads = find_model("mine").heads
     assert heads is not None
     assert not heads.needs_fast
+
+
+class Killed(subprocess.Popen[bytes]):
+    """A child that is ended by a signal, as by a library that a damaged network crashes."""
+
+    def communicate(self, *given: Any, **named: Any) -> tuple[bytes, bytes]:
+        self.kill()
+        return super().communicate(*given, **named)
+
+
+def test_a_network_that_ends_its_library_ends_a_process_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
+    monkeypatch.setattr("keypose.tracker.apart.subprocess.Popen", Killed)
+    assert add(tmp_path, SIMCC) == 2
+    assert "ends the library that runs it, or needs too much" in capsys.readouterr().err
+    assert not added_folder().exists()
+    assert list(temporary.iterdir()) == []
+
+
+def test_what_an_adding_that_was_killed_left_goes_with_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
+    left = Scratch("network")
+    (left.path / "mine.onnx").write_bytes(SIMCC)
+    left._lock.release(force=True)  # as the system does of a process that was killed
+    assert add(tmp_path, SIMCC) == 0
+    assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes say nothing here")
+@pytest.mark.parametrize("mode", [0o777, 0o757, 0o1777])
+def test_no_network_is_kept_where_other_users_may_write(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], mode: int
+) -> None:
+    added_folder().mkdir(parents=True)
+    added_folder().chmod(mode)
+    assert add(tmp_path, SIMCC) == 2
+    said = capsys.readouterr().err
+    assert f"other users may write to '{added_folder()}': run chmod go-w on it" in said
+    assert list(added_folder().iterdir()) == []
+    added_folder().chmod(0o755)
+    assert add(tmp_path, SIMCC) == 0
+    for place in (added_folder(), added_folder() / "mine.json", added_folder().parent):
+        before = place.stat().st_mode
+        place.chmod(before | 0o002)
+        with pytest.raises(KeypointError, match="cannot be read: other users may write to"):
+            find_model("mine")
+        place.chmod(before)
+    assert find_model("mine").is_here
+
+
+def test_what_was_checked_is_what_is_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert add(tmp_path, SIMCC) == 0
+    picture = np.full((64, 64, 3), 90, np.uint8)
+    model, region = find_model("mine"), Region(31.5, 31.5, 64.0)
+    expected = JointNetwork.open(model).infer(picture, region)
+
+    def exchanged(known: Model, content: bytes) -> bool:
+        is_it = is_content(known, content)
+        known.path.write_bytes(b"another file")
+        return is_it
+
+    monkeypatch.setattr(model_files, "is_content", exchanged)
+    found = JointNetwork.open(model).infer(picture, region)
+    assert found.uv.tobytes() == expected.uv.tobytes()
+    with pytest.raises(KeypointError, match="is damaged or is not the mine network"):
+        JointNetwork.open(model)
