@@ -8,11 +8,14 @@ import posixpath
 import re
 from pathlib import Path
 
+from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 _KEPT = "private, max-age=31536000, immutable"
+_SERVED = frozenset({".css", ".js", ".svg", ".woff2"})
+"""What a page is made of, by its endings; the index is answered as the page."""
 _SHEET_LINK = re.compile(r'<link rel="stylesheet" href="[^"]*?/(style/[^"]+)" />\s*')
 _SHEET_IMPORT = re.compile(r'@import url\("([^"]+)"\);')
 _SHEETS = "style/all.css"
@@ -72,7 +75,10 @@ class PageFiles(StaticFiles):
             headers = {"Cache-Control": _KEPT}
             sheet = await asyncio.to_thread(self._sheets)
             return self._answers.setdefault(path, Response(sheet, 200, headers, "text/css"))
-        response = await super().get_response(rest if is_kept else path, scope)
+        file = rest if is_kept else path
+        if posixpath.splitext(file)[1] not in _SERVED:  # READMEs and Python lie there too
+            raise HTTPException(404)
+        response = await super().get_response(file, scope)
         response.headers["Cache-Control"] = _KEPT if is_kept else "no-cache"
         if not (is_kept and isinstance(response, FileResponse)):
             return response

@@ -10,8 +10,10 @@ import pytest
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
+from keypose import static
 from keypose.app.server.page_files import PageFiles
 
+STATIC = Path(static.__file__).parent
 INDEX = '<script type="module" src="/files/page.js"></script>'
 
 
@@ -132,3 +134,18 @@ def test_no_file_of_the_page_names_another_by_an_address_without_a_version() -> 
     files = [*static.rglob("*.js"), *static.rglob("*.css")]
     assert len(files) > 100
     assert [str(file) for file in files if whole.search(file.read_text(encoding="utf-8"))] == []
+
+
+@pytest.mark.parametrize("versioned", [False, True])
+def test_nothing_is_served_but_what_a_page_is_made_of(versioned: bool) -> None:
+    files = PageFiles(STATIC, "/files")
+    version = re.search(r"/files/([0-9a-f]{16})/", files.page())
+    assert version is not None
+    before = f"{version[1]}/" if versioned else ""
+    for path in sorted(STATIC.rglob("*")):
+        name = path.relative_to(STATIC).as_posix()
+        if path.suffix in (".js", ".css", ".svg", ".woff2"):
+            assert asked(files, before + name).status_code == 200, name
+        else:
+            with pytest.raises(HTTPException, match="404"):
+                asked(files, before + name)
