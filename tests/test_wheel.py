@@ -22,6 +22,13 @@ SHOWN = {"arms_page.jpg", "walk/page.jpg", "walk/film.webp"} | {
 }
 """Pictures of READMEs, which the wheel leaves out."""
 MOST_BYTES = 26e6
+LICENCES = {
+    "Apache License": "Apache-2.0",
+    "BSD 3-Clause": "BSD-3-Clause",
+    "CC0 1.0": "CC0-1.0",
+    "SIL Open Font License, Version 1.1": "OFL-1.1",
+}
+"""What is granted, by words of its text."""
 
 
 def sources() -> set[str]:
@@ -74,5 +81,15 @@ def test_it_takes_no_name_that_it_does_not_say(wheel: zipfile.ZipFile) -> None:
 def test_it_brings_the_command_and_the_licences(wheel: zipfile.ZipFile) -> None:
     (info,) = {name.split("/")[0] for name in wheel.namelist() if ".dist-info/" in name}
     assert "keypose = " in wheel.read(f"{info}/entry_points.txt").decode()
-    licences = {Path(name).name for name in wheel.namelist() if f"{info}/licenses/" in name}
-    assert licences == {"LICENSE", "NOTICE"}
+    named = {"LICENSE", *(name for name in sources() if Path(name).name in ("LICENSE", "NOTICE"))}
+    inside = {name for name in wheel.namelist() if f"{info}/licenses/" in name}
+    assert inside == {f"{info}/licenses/{name}" for name in named}
+    texts = [wheel.read(name).decode() for name in inside]
+    texts += [(ROOT / name).read_text("utf-8") for name in sources() if name.endswith("README.md")]
+    (line,) = (
+        line
+        for line in wheel.read(f"{info}/METADATA").decode().splitlines()
+        if line.startswith("License-Expression: ")
+    )
+    granted = {licence for words, licence in LICENCES.items() if any(words in t for t in texts)}
+    assert set(line.partition(": ")[2].split(" AND ")) == granted == set(LICENCES.values())
