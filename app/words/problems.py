@@ -152,8 +152,7 @@ def sentence_of(found: Problem) -> str:
     sentence = _SENTENCES.get(found.cause)
     if sentence is None:
         return short_sentence(_verdict(found), *found.span)
-    (first, last), (start, end) = found.frames, found.span
-    return sentence(found, "" if first <= start + 1 and last >= end - 1 else _within(found))
+    return sentence(found, "" if _is_all(found.frames, *found.span) else _within(found))
 
 
 def detail_of(found: Problem) -> str:

@@ -7,11 +7,28 @@ from typing import Any, cast, get_args
 
 import pytest
 
-from keypose.app.words.problems import reason_with_frames, sentence, short_sentence
-from keypose.tracker.review.problems import blames_keys
+from keypose.app.words.problems import reason_with_frames, sentence, sentence_of, short_sentence
+from keypose.tracker.review.problems import Problem, blames_keys
 from keypose.tracker.session.verdict import GOOD, Cause, Verdict
 
 HAND = "right_hand"
+OF_A_PROBLEM = {
+    (0, 24): "Right hand hidden",
+    (1, 23): "Right hand hidden",
+    (2, 23): "Right hand hidden, frames 2–23",
+    (1, 22): "Right hand hidden, frames 1–22",
+    (23, 23): "Right hand hidden, frame 23",
+}
+
+
+@pytest.mark.parametrize("frames", OF_A_PROBLEM)
+def test_the_frames_of_a_problem_are_left_out_where_they_are_all_between_the_keyframes(
+    frames: tuple[int, int],
+) -> None:
+    found = Problem((0, 24), "check", "not_seen", 12, frames, HAND, "key")
+    assert sentence_of(found) == OF_A_PROBLEM[frames]
+
+
 SAID = {
     "Good": GOOD,
     "Check: right hand hidden, frames 31–36": Verdict.check("not_seen", (31, 36), HAND),

@@ -43,6 +43,11 @@ def test_a_pinned_foot_is_reported_with_its_frames_and_the_print_of_its_sole() -
     assert np.linalg.norm(sole - toe, axis=1).min() < 0.06
     sides = np.linalg.norm(sole - np.roll(sole, 1, axis=0), axis=1)
     assert sides.max() < 0.3, "it goes round the sole, not across"
+    foot = edit.doc.subject.body.index("left_foot")
+    vertices = np.asarray(edit.doc.subject.body.parts[foot].shape.mesh().vertices)
+    standing = vertices @ Ts[foot, :3, :3].T + Ts[foot, :3, 3]
+    off = np.linalg.norm(standing[:, None] - sole, axis=2).min(axis=0)
+    assert off.max() < 1e-4, "it lies in the foot's surface"
 
 
 @pytest.mark.parametrize(

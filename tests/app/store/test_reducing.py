@@ -171,6 +171,10 @@ async def test_the_order_holds_the_motion_and_the_reports_its_progress(desk: Des
     assert {10, 24, 48, 50} <= set(last.result.frames)
     counts = [report.share for report in progress if isinstance(report, Progress)]
     assert counts == sorted(counts)
+    steps = np.array(counts) * 41  # of as many frames
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
+    assert 0 < steps[0] < steps[-1] <= 41
+    assert len(set(counts)) == len(counts)
 
 
 BODY_EDITS = {

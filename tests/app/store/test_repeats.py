@@ -38,10 +38,13 @@ async def test_they_are_saved_and_stay_when_an_edit_is_undone(path: Path) -> Non
     async with opened_store(path) as desk:
         tab = desk.join()
         desk.receive(tab, EDIT)
+        before = desk._sections.all["file"]["repeated"]
         desk.show_repeats(FOUND)
         edit = desk.app_state.edit
         assert edit is not None
         assert edit.doc.view.video.repeats == FOUND
+        desk._publish()
+        assert (before, desk._sections.all["file"]["repeated"]) == (0, 3)
         desk.receive(tab, {"do": "undo"})
         desk.receive(tab, {"do": "redo"})
         edit = desk.app_state.edit

@@ -147,6 +147,22 @@ def test_the_bones_that_are_exported_are_known_where_they_are(rig: str) -> None:
         assert np.allclose(p_world, bones.Ts_world_bone[index, :3, 3], atol=1e-9)
 
 
+SIDED = [f"{s}{n}" for s in BOTH for n in ("UpLeg", "Leg", "ForeArm", "Hand", "Arm")]
+KNOWN = {
+    "six of ten begin so": ([*(f"qq {name}" for name in SIDED[:6]), *SIDED[6:]], 10),
+    "five of ten begin so": ([*(f"qq {name}" for name in SIDED[:5]), *SIDED[5:]], 5),
+    "six of ten end so": ([*(f"{name} qq" for name in SIDED[:6]), *SIDED[6:]], 10),
+    "two of three begin so": (["qq LeftKnee", "qq RightKnee", "LeftElbow"], 1),
+    "all begin so, and all are left": ([f"qq left_{n}" for n in ("knee", "elbow", "wrist")], 3),
+}
+
+
+@pytest.mark.parametrize("case", KNOWN)
+def test_words_that_most_names_have_are_no_part_of_them_but_for_sides(case: str) -> None:
+    names, known = KNOWN[case]
+    assert len(_found(names)) == known
+
+
 def test_a_foot_is_the_ankle_where_no_other_name_is() -> None:
     found = _found(MAKERS["Human3.6M"])
     assert (found["LKnee"], found["LFoot"]) == ("left_shin", "left_foot")
