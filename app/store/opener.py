@@ -17,6 +17,9 @@ from keypose.app.store.saving import SessionWriter
 from keypose.app.store.state import OpenedFile, StateOwner
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
 
+SECONDS_BETWEEN_LOOKS = 3.0
+"""At a session that another Keypose has, which may have ended."""
+
 
 class Opener:
     """What is open, for the host. All on the loop; files are read and closed in threads."""
@@ -36,6 +39,7 @@ class Opener:
         self._runner = runner
         self._one_at_a_time = asyncio.Lock()
         self._warned: str | None = None
+        self._looking: asyncio.Task[None] | None = None
         self._examiner: Examiner | None = None
         self.opened: OpenSession | None = None
         self.frames: Frames | None = None
@@ -82,6 +86,8 @@ class Opener:
             self._writer.begin(opened, edit)
             self.opened, self.frames = opened, Frames(opened.video)
             self._host.session_opened(opened, _opened_file(opened, film), edit)
+            if self._writer.lock.is_elsewhere:
+                self._looking = self._loop.create_task(self._look_until_free(opened))
             if edit.doc.evidence.can_be_damaged:
                 self._examiner = Examiner(
                     self._loop, opened.video, self._host.show_damage, self._host.show_repeats
@@ -89,6 +95,35 @@ class Opener:
             for words in filter(None, (*opened.news, opened.video.info.numbering, problem)):
                 self._host.note("check", words)
             await self._visit(opened)
+
+    async def _look_until_free(self, opened: OpenSession) -> None:
+        while self.opened is opened and self._writer.lock.is_elsewhere:
+            await asyncio.sleep(SECONDS_BETWEEN_LOOKS)
+            try:
+                await self.look_again()
+            except KeyposeError as error:
+                self._host.note("check", str(error))
+                return
+
+    async def look_again(self) -> None:
+        """Write from now on what another Keypose had, where that has ended; what it wrote since it
+        was opened here is read first."""
+        async with self._one_at_a_time:
+            opened, lock = self.opened, self._writer.lock
+            if opened is None or not lock.is_elsewhere:
+                return
+            lock.take(opened)
+            is_stale = not lock.read_only and opened.is_stale()
+            if is_stale:
+                await self._close_open()
+            elif not lock.is_elsewhere:
+                if not lock.read_only:
+                    self._writer.begin(opened, self._host.app_state.editing)
+                self._host.lock_changed()
+        if is_stale:
+            await self.open(opened.session_path)
+        if self.opened is not None and not lock.read_only:
+            self._host.note("good", "The other Keypose has ended: edit here.")
 
     async def _visit(self, opened: OpenSession) -> None:
         """The page's address leads to it from now on."""
@@ -133,6 +168,9 @@ class Opener:
 
     async def _release(self) -> None:
         """Nothing is open from here on, at once; what is slow to close is closed after that."""
+        if self._looking is not None and self._looking is not asyncio.current_task():
+            self._looking.cancel()
+        self._looking = None
         opened, frames, examiner = self.opened, self.frames, self._examiner
         self.opened = self.frames = self._warned = self._examiner = None
         self._host.session_closed()

@@ -31,23 +31,27 @@ Identity: TypeAlias = tuple[int, int]
 
 
 class WriteLock:
-    """The lock of the open session's folder. read_only: why it is not written, a sentence."""
+    """The lock of the open session's folder. read_only: why it is not written, a sentence.
+    is_elsewhere: another Keypose has it, which may end."""
 
     def __init__(self) -> None:
         self.read_only = ""
+        self.is_elsewhere = False
         self._lock: SessionLock | None = None
         self._folder: Identity | None = None
 
     def take(self, opened: OpenSession) -> None:
         """Take the lock, where there is a folder; else, or where it cannot be had, say so."""
-        self.read_only, folder = "", opened.session_path.parent
+        self.read_only, self.is_elsewhere = "", False
+        folder = opened.session_path.parent
         if opened.session.is_newer:
             self.read_only = f"Read only: a newer Keypose wrote {opened.session_path.name}."
         elif folder.is_dir():
             try:
                 self._hold(folder)
             except LockedElsewhere as held:
-                self.read_only = f"Read only: {held}. Close it there, then open it here again."
+                self.read_only = f"Read only: {held}. Close it there to edit it here."
+                self.is_elsewhere = True
             except NotALock as error:
                 self.read_only = f"Read only: {error}"
 
@@ -72,7 +76,7 @@ class WriteLock:
 
     def release(self) -> None:
         """Let others write."""
-        self.read_only = ""
+        self.read_only, self.is_elsewhere = "", False
         self._release()
 
     def _hold(self, folder: Path) -> None:

@@ -429,16 +429,21 @@ class Store:
 
     def session_opened(self, opened: OpenSession, file: OpenedFile, edit: EditorState) -> None:
         """Another session is open."""
-        received, read_only = opened.journal.received, self._writer.lock.read_only
+        received = opened.journal.received
         self._clients = Clients(received.clients)
         self._set(
             opened=file,
             revision=received.revision or mark_of(edit.doc),
             edit=edit,
             guide=Guide(first=not edit.doc.subject.keyframes),
-            saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
         )
         self._runner.opened(edit)
+        self.lock_changed()
+
+    def lock_changed(self) -> None:
+        """Who may write the open session is known, or another one by now."""
+        read_only = self._writer.lock.read_only
+        self._set(saved=Saved("readonly" if read_only else "saved", 0.0, read_only))
         self._solve_space()
 
     def session_closed(self) -> None:

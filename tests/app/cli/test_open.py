@@ -250,8 +250,8 @@ def test_a_second_program_on_one_session_reads_only_and_says_who_writes(
 ) -> None:
     second = Keypose(str(session), "--workspace", str(session.parent / "w"))
     reader = Visitor(second)
-    reported = f"Read only: open in another Keypose (pid {keypose.process.pid}). Close it there, "
-    reported += "then open it here again."
+    reported = f"Read only: open in another Keypose (pid {keypose.process.pid}). Close it there "
+    reported += "to edit it here."
     assert reader.seen["saved"] == {"state": "readonly", "at": 0.0, "words": reported}
     reader.do(do="go", frame=7)
     assert reader.seen["view"]["frame"] == 7

@@ -176,6 +176,34 @@ async def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> No
     assert not journal_path(path).exists()
 
 
+@pytest.mark.parametrize("wrote", [False, True])
+async def test_a_session_is_written_here_once_the_keypose_that_had_it_has_ended(
+    path: Path, wrote: bool
+) -> None:
+    async with opened_store(path) as one:
+        store = Store(asyncio.get_running_loop(), lambda *_: None, one._library)
+        await store.open(path)
+        tab = store.join()
+        await store._opener.look_again()
+        assert store.app_state.saved.state == "readonly"
+        store.receive(tab, {"do": "go", "frame": 7})
+        if wrote:
+            one.receive(one.join(), turn(-33, n=1))
+    await store._opener.look_again()
+    assert store.app_state.saved.state == "saved"
+    before = store.app_state.editing.doc
+    assert before.subject.keyframes == load_session(path).subject.keyframes
+    assert store.app_state.editing.frame == (7 if not wrote else 0)
+    words = [message["words"] for message in await tab.next() if message["t"] == "note"]
+    assert words == ["The other Keypose has ended: edit here."]
+    store.receive(tab, turn(-12))
+    edited = store.app_state.editing.doc
+    assert edited is not before
+    await store.stop()
+    assert load_session(path).subject.keyframes == edited.subject.keyframes
+    assert len(labels(path)) == (2 if wrote else 1)
+
+
 async def test_a_disk_that_is_full_is_reported_and_what_was_done_is_written_once_there_is_room(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
