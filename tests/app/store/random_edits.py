@@ -226,8 +226,9 @@ class RandomEdits:
 
     def _end_tracking(self, number: int, job: Track) -> None:
         doc, worker = Session.model_validate_json(job.session), Worker.newest
+        keyed = {keyframe.frame for keyframe in doc.subject.keyframes}
         for one in job.wanted:
-            if self.random.random() < 0.8:
+            if {*one[:2]} <= keyed and self.random.random() < 0.8:
                 worker.report(segment_done(number, _track(doc, *one)))
         worker.report(Finished(number))
 

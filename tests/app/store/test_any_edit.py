@@ -14,9 +14,9 @@ from keypose.app.store.tabs import Tab
 from keypose.tracker.storage.files import load_session
 from tests.app.store.random_edits import RandomEdits
 from tests.app.store.test_fitter import Desk, Worker
-from tests.scenes import at_desk
+from tests.scenes import at_desk, sample
 
-SEEDS = int(os.environ.get("KEYPOSE_TEST_EDITS", "4"))
+SEEDS = int(os.environ.get("KEYPOSE_TEST_EDITS", "3"))
 """Rows of random edits; more by hand."""
 EDITS = 75
 """In each row."""
@@ -28,10 +28,11 @@ def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("seed", range(8, 8 + SEEDS))
+@pytest.mark.parametrize("name", ["person", "arms"])
 async def test_after_any_edits_and_jobs_every_section_and_the_views_are_made(
-    path: Path, seed: int
+    tmp_path: Path, name: str, seed: int
 ) -> None:
-    maker = SceneryMaker()
+    maker, path = SceneryMaker(), sample(tmp_path, name)
     async with at_desk(path, Desk) as desk:
         edits = RandomEdits(desk, seed)
         for _ in range(EDITS):
