@@ -17,8 +17,11 @@ COPY . .
 RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
 
 FROM ${PYTHON}
+# The very files of requirements.lock, and none that they or a registry would choose by now.
 RUN --mount=type=bind,from=built,source=/wheels,target=/wheels \
-    pip install --no-cache-dir /wheels/*.whl \
+    --mount=type=bind,source=requirements.lock,target=/requirements.lock \
+    pip install --no-cache-dir --require-hashes --only-binary :all: -r /requirements.lock \
+    && pip install --no-cache-dir --no-deps /wheels/*.whl \
     && useradd --uid 1000 --create-home keypose \
     && install --directory --owner=keypose /data \
     && install --directory --mode=1777 /cache
