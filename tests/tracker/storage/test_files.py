@@ -148,7 +148,7 @@ def test_asking_whether_a_folder_can_be_written_leaves_nothing(tmp_path: Path) -
 REFUSED: dict[str, tuple[Change, str]] = {
     "that a newer Keypose wrote otherwise": (
         lambda data: data.update(schema_version=5, camera=7),
-        "written by a newer Keypose (version 5), and here views.0.camera: input should be",
+        "written by a newer Keypose (version 5), and here views.0.camera: should be an object",
     ),
     "of no known version": (
         _set("schema_version", to="first"),
