@@ -93,6 +93,13 @@ class FindUp(Message):
     do: Literal["find_up"] = "find_up"
 
 
+class FindPeople(Message):
+    """The people in the picture of a frame, looked for where nothing else is at work."""
+
+    do: Literal["find_people"] = "find_people"
+    frame: FrameIndex
+
+
 class FindCamera(Message):
     """How the film's camera turned, zoomed and moved, found from its background.
 
@@ -286,6 +293,7 @@ Fitting: TypeAlias = (
     | DraftRest
     | Lift
     | FindUp
+    | FindPeople
     | FindCamera
     | Stand
     | TrackAhead

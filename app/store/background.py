@@ -1,4 +1,4 @@
-"""Work behind all else: look for damaged frames, find keypoints, learn from keyframes."""
+"""Work behind all else: look for damaged frames and people, find keypoints, learn from poses."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +18,8 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.documents import unchanged
 from keypose.app.editor.drafted import newly_posed
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs.job import Ended, Finished
+from keypose.app.jobs.find_people import Boxes, FindPeople
+from keypose.app.jobs.job import Ended, Failed, Finished
 from keypose.app.jobs.learn import LearnDrafts, Learned
 from keypose.app.store.runner import Runner
 from keypose.app.store.state import KnownKeypoints, StateOwner
@@ -264,3 +265,33 @@ class DraftLearner:
             if words and not self._announced:
                 self._announced = True
                 self._host.note("info", words)
+
+
+class PeopleLooker:
+    """Looks for people in a picture on which a box is about to be drawn, once a picture; `found`
+    receives the boxes by frame, None of a picture that could not be looked at to the end."""
+
+    def __init__(
+        self,
+        runner: Runner,
+        host: StateOwner,
+        found: Callable[[Mapping[int, Boxes | None]], None],
+    ) -> None:
+        self._runner, self._host, self._found = runner, host, found
+
+    def look(self, frame: int) -> None:
+        """Begin, unless it is known, or something else is at work: then it may be asked again."""
+        opened, edit = self._host.opened, self._host.app_state.edit
+        if opened is None or edit is None or not 0 <= frame < edit.frame_count:
+            return
+        if frame not in self._host.app_state.people:
+            job = FindPeople.of(opened, edit, frame)
+            self._runner.look(job, partial(self._on_end, frame, opened))
+
+    def _on_end(self, frame: int, opened: OpenSession, end: Ended) -> None:
+        if self._host.opened is not opened:
+            return
+        boxes = end.result if isinstance(end, Finished) and not end.cancelled else None
+        self._found({**self._host.app_state.people, frame: boxes})
+        if isinstance(end, Failed):
+            self._host.note("check", end.words)

@@ -229,6 +229,16 @@ class Runner:
             self._before = self.job
             self._begin(job, "", on_end)
 
+    def look(self, job: Job, on_end: OnEnd) -> bool:
+        """Do what nobody waits for and is not shown, where nothing is at work; whether it began.
+        Whatever else begins ends it, and then `on_end` is not called."""
+        if self.job.state == "running" or self._preview_job:
+            return False
+        self._before = self.job
+        self._number, self._on_end = self._tracking.start(job), on_end
+        self._jobs[self._number] = job
+        return True
+
     def solve_space(self, edit: EditorState) -> None:
         """Solve for the motion in space wherever it is not known, where nothing is at work."""
         if self.results is None or self.job.state == "running" or edit.stroke is not None:

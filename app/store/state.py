@@ -12,6 +12,7 @@ from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.ahead import followed_so_far
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.ahead import Following
+from keypose.app.jobs.find_people import Boxes
 from keypose.app.jobs.fit_pose import FitOutcome
 from keypose.app.jobs.fit_sizes import SizesPreview
 from keypose.app.jobs.job import JobState
@@ -115,6 +116,8 @@ class AppState:
     following: how far the body is tracked ahead.
     preview: new sizes that wait to be applied.  reduction: keyframes that do.
     poses: those that were kept.
+    people: boxes around who was found, by frame, the tallest first; None where that was not done to
+    the end.
     """
 
     server: str = ""
@@ -135,6 +138,7 @@ class AppState:
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
     poses: tuple[KeptPose, ...] = ()
+    people: Mapping[int, Boxes | None] = field(default_factory=dict)
 
     @property
     def editing(self) -> EditorState:

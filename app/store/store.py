@@ -30,7 +30,7 @@ from keypose.app.export.importing import Import
 from keypose.app.jobs.job import JobState
 from keypose.app.jobs.wire import failure_message
 from keypose.app.render.video_frames import Frames
-from keypose.app.store.background import DraftLearner, KeypointFinder
+from keypose.app.store.background import DraftLearner, KeypointFinder, PeopleLooker
 from keypose.app.store.faults import Fault, Faults
 from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
@@ -93,6 +93,7 @@ class Store:
         self._runner = Runner(loop, self._on_progress, self._on_previews)
         self._fitter = Fitter(self._runner, self)
         self._learner = DraftLearner(self._runner, self)
+        self._people = PeopleLooker(self._runner, self, lambda people: self._set(people=people))
         self._keypoints = KeypointFinder(loop, lambda known: self._set(keypoints=known))
         self._turn_asked = False
         self._dragging: Tab | None = None
@@ -333,6 +334,8 @@ class Store:
         elif isinstance(action, actions.Cancel):
             if not self._fitter.cancel():
                 self._runner.cancel()
+        elif isinstance(action, actions.FindPeople):
+            self._people.look(action.frame)
         elif isinstance(action, actions.LookBefore):
             self._show_before(action.on)
         elif isinstance(action, actions.CloseFit):
@@ -460,6 +463,7 @@ class Store:
             preview=None,
             reduction=None,
             following=None,
+            people={},
             keypoints=KnownKeypoints(),
         )
         self._set(surface=SurfaceSeen(), unusable="", revision="")

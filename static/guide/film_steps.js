@@ -10,6 +10,7 @@ import {
   kindHere, KINDS, millimetres, useFile,
 } from '../actions/lens.js';
 import { placesToConfirm } from '../actions/playhead.js';
+import { isLooking, isNobodyHere, peopleHere, peopleWords, takePerson } from '../actions/people.js';
 import { isReviewing, toggleReview } from '../actions/review.js';
 import { isUpKnown, tiltWords } from '../actions/standing.js';
 import { shortNumber } from '../controls/arithmetic.js';
@@ -167,14 +168,14 @@ const IN_FILM = [
   },
   {
     word: 'Person',
-    title: 'Draw a box around the person',
+    title: 'Choose the person',
     tool: 'box',
-    text: 'From head to toes, in any frame that shows the whole body. The arrow keys choose another frame.',
+    text: 'Choose a frame that shows the whole body, with the arrow keys. Click the person, or draw a box from head to toes.',
     done: () => Boolean(ui.box) || isDrafting() || isDrafted(),
     again: true,
     content: personLine,
-    next: () => (ui.box ? { label: labelOf('draft'), act: draftFromBox } : null),
-    hints: [['Drag', 'draw the box, pull its edges'], ['← →', 'choose another frame']],
+    next: nextOfPerson,
+    hints: [['Click', 'take a person'], ['Drag', 'draw the box, pull its edges'], ['← →', 'choose another frame']],
     byHand: true,
   },
   {
@@ -247,8 +248,21 @@ function cameraLine() {
 const isDrafting = () => server.job?.state === 'running' && server.job.kind === 'draft';
 const isDrafted = () => Boolean(server.draft);
 
+/** The box first, then whoever was found; what is looked for is waited for. */
+function nextOfPerson() {
+  if (ui.box) return { label: labelOf('draft'), act: draftFromBox };
+  const { length } = peopleHere();
+  if (length) return { label: length > 1 && !ui.personHover ? 'Take the tallest' : 'Take this person', act: () => takePerson() };
+  return isLooking() ? { label: 'Looking…', act: () => {} } : null;
+}
+
+function foundLine() {
+  const words = peopleWords();
+  return words ? html`<p class="${isNobodyHere() ? 'note warned' : 'note'}">${words}</p>` : nothing;
+}
+
 function personLine() {
-  if (!ui.box) return thingLine();
+  if (!ui.box) return html`${foundLine()}${thingLine()}`;
   const small = smallWords();
   return html`<div class="row filesays ${small ? 'warned' : 'good'}">${icon(small ? 'warn' : 'check')}
     <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>`;

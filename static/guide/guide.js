@@ -27,7 +27,7 @@ const GAP_PX = 12;
 const PAUSE_MS = 900; // long enough to see the tick
 const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks', 'settings', 'camera_motion'];
+const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks', 'settings', 'camera_motion', 'people'];
 
 let wasDone = false; // what was done before its step was shown does not move it on
 let wasKept = false; // nor does a pose that was kept before
@@ -87,7 +87,7 @@ export function mountGuide() {
   watch(['draft'], skipToDraftReview);
   watch(['job'], followDraft);
   addEventListener('keydown', onKey, true); // before the table of keys, and views by number
-  watch([...SECTIONS, 'u:box', 'u:span', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
+  watch([...SECTIONS, 'u:box', 'u:lookedAt', 'u:personHover', 'u:span', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
   onInteraction(() => isOpen() && fade(card.querySelector('.coach')));
   addEventListener('resize', () => requestAnimationFrame(draw));
@@ -129,7 +129,10 @@ const afterDraft = () => steps().findIndex((step, i) => i > DRAFT && (i === step
 function skipToDraftReview() {
   if (!server.draft?.latest || !isOpen()) return;
   if (isByHand()) setUi('guideStep', null);
-  else show(afterDraft());
+  else {
+    wentOnAt = performance.now();
+    show(afterDraft());
+  }
 }
 
 /** While every frame is drafted, its step is shown. */
@@ -149,8 +152,13 @@ function onKey(event) {
   if (!goesOn && !step.key?.(key)) return;
   event.preventDefault();
   event.stopImmediatePropagation();
-  if (goesOn) goFirst();
+  if (goesOn && !isWaiting()) goFirst();
 }
+
+/** What the step began is under way, or the step is so new that the press was meant for the one before. */
+const isWaiting = () => isAtWork() || performance.now() - wentOnAt < MEANT_MS;
+
+const isAtWork = () => server.job?.state === 'running';
 
 const isTyping = ({ target }) => target.matches?.('input, textarea, select, [contenteditable]');
 
@@ -259,7 +267,8 @@ function continueButton(step) {
   const own = step.next?.();
   const isFirst = own || step.beside || isDone(step);
   const { label, act } = own ?? { label: isFirst ? 'Continue' : 'Skip', act: goOn };
-  return html`<button class="btn sm ${isFirst ? 'pri' : ''}" @click=${act}>
+  const why = isAtWork() ? `${server.job.title} is under way` : '';
+  return html`<button class="btn sm ${isFirst ? 'pri' : ''} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing} title=${why || nothing} @click=${() => !why && act()}>
     ${label}<kbd>Enter</kbd>
   </button>`;
 }

@@ -199,7 +199,7 @@ export function mountBars() {
   mountOrbitHint();
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:span', 'u:rings', 'u:personMask', 'u:tab', 'u:menu', 'u:orbited'], draw);
+  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'people', 'u:lookedAt', 'u:guideStep', 'u:span', 'u:rings', 'u:personMask', 'u:tab', 'u:menu', 'u:orbited'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

@@ -1,10 +1,11 @@
 // Drawing the box around a person: dragged over the picture, then pulled at its grips or moved. It is
-// there as long as its tool is in hand.
+// there as long as its tool is in hand. Before that, whoever was found in the picture is outlined, and taken with a click.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
 import { perform, whyNot } from '../actions/actions.js';
 import { runToDraft, setDraftRange, smallWords } from '../actions/drafting.js';
+import { peopleHere, peopleWords, personAt, personMeant, takePerson } from '../actions/people.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { keepsKey } from '../controls/focus.js';
 import { interaction, leaveSketch } from './interaction.js';
@@ -33,7 +34,8 @@ function bounds() {
   return [-0.5, -0.5, width - 0.5, height - 0.5];
 }
 
-const onScreen = (view) => between(view.fromView(ui.box.slice(0, 2)), view.fromView(ui.box.slice(2)));
+const shownIn = (view, one) => between(view.fromView(one.slice(0, 2)), view.fromView(one.slice(2)));
+const onScreen = (view) => shownIn(view, ui.box);
 
 /** The grip under a place of the view, or null. */
 function gripAt(view, at) {
@@ -52,8 +54,10 @@ export const box = {
     ['Drag', 'draw the box, pull its edges'], ['Alt ← ↑ → ↓', 'move, with Shift resize'],
     ['← →', 'choose another frame'], ['Enter', 'draft'], ['Esc', 'cancel'],
   ],
+  /** In the guide its card says it, beside the picture. */
   words() {
-    if (!ui.box) return 'Drag a box around the person, from head to toes.';
+    if (Number.isInteger(ui.guideStep) && ui.guidePath === 'film') return '';
+    if (!ui.box) return peopleWords() || 'Drag a box around the person, from head to toes.';
     return smallWords() || 'Press Enter to draft. Drag the edges to correct the box.';
   },
   /** On a grip, inside, or where a new box begins. */
@@ -63,10 +67,11 @@ export const box = {
     interaction.sketch.hold = { kind, grip, from: view.toView([x, y]), at: [x, y], before: ui.box };
   },
   move,
-  /** What has no size is no box. */
+  /** What has no size is no box; a click takes the person there. */
   up(view, x, y) {
     move(view, x, y);
     const { hold } = interaction.sketch;
+    if (hold && !hold.begun) takePerson(personAt(view.toView([x, y])));
     if (hold?.begun && Math.min(...sizeOf(onScreen(view))) < BEGINS_PX) setUi('box', hold.before);
     interaction.sketch.hold = null;
   },
@@ -81,6 +86,7 @@ export const box = {
     const { hold, pointer } = interaction.sketch;
     const grip = hold ? hold.grip : gripAt(view, pointer);
     if (grip !== null) return CURSORS[grip];
+    if (!hold && ui.personHover) return 'pointer';
     return (hold ? hold.kind === 'move' : isInside(view, pointer)) ? 'move' : 'crosshair';
   },
   draw,
@@ -90,6 +96,7 @@ export const box = {
 /** The pointer moved, with something in hand or not. */
 function move(view, x, y) {
   const { hold } = interaction.sketch;
+  setUi('personHover', hold?.begun ? null : personAt(view.toView([x, y])));
   if (!hold || (!hold.begun && distance(hold.at, [x, y]) < BEGINS_PX)) return;
   hold.begun = true;
   setUi('box', changed(hold, view.toView([x, y])));
@@ -118,8 +125,9 @@ function moveByKey({ altKey, shiftKey }, name) {
 
 /** Enter on a control that was reached with Tab is that control's. */
 function enter() {
-  if (!ui.box || keepsKey('Enter')) return false;
-  draftFromBox();
+  if (keepsKey('Enter') || !(ui.box || personMeant())) return false;
+  if (ui.box) draftFromBox();
+  else takePerson();
   return true;
 }
 
@@ -140,8 +148,19 @@ export function drawBoxAt(frame) {
   setUi('tool', 'box');
 }
 
+/** Whoever was found: thin, the one who is pointed at brighter, and the one who is meant. */
+function drawPeople(view) {
+  const meant = personMeant();
+  return svg`<g class="box people">${peopleHere().map((person) => {
+    const [left, top, right, bottom] = shownIn(view, person);
+    const kind = person === ui.personHover ? 'hot' : person === meant ? 'meant' : '';
+    return svg`<rect class="found-edge" x=${left} y=${top} width=${right - left} height=${bottom - top} rx="2" />
+      <rect class="found ${kind}" x=${left} y=${top} width=${right - left} height=${bottom - top} rx="2" />`;
+  })}</g>`;
+}
+
 function draw(view) {
-  if (!ui.box) return nothing;
+  if (!ui.box) return drawPeople(view);
   const [left, top, right, bottom] = onScreen(view);
   const { clientWidth: width, clientHeight: height } = view.el;
   const hole = `M0 0H${width}V${height}H0ZM${left} ${top}V${bottom}H${right}V${top}Z`;

@@ -8,6 +8,7 @@ import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
 import { mountKeys, mountSheet } from './keys.js';
+import { mountPeople } from '../actions/people.js';
 import { mountReview } from '../actions/review.js';
 import { mountMenus } from '../controls/menu.js';
 import { mountSearch } from './search.js';
@@ -29,6 +30,7 @@ export function mount() {
   mountStart();
   mountGuide();
   mountReview();
+  mountPeople();
   mountFitCard();
   mountSheet();
   mountSearch();

@@ -542,6 +542,8 @@
  * @property {SizesPreview | null} sizes_preview
  * @property {Reduction | null} reduction
  * @property {Drafted | null} draft
+ * @property {{ frame: number, boxes: [number, number, number, number][] | null } | null} people  Who is in the picture of the present
+ *   frame, the tallest first; null where nobody has looked, boxes null where that was not done to the end.
  * @property {Job} job
  * @property {Saved} saved
  * @property {{ undo: string | null, redo: string | null }} undo
@@ -627,6 +629,8 @@
  * @property {string[] | null} [limb]
  * @property {number | null} [mask]  The region that is being edited.
  * @property {[number, number, number, number] | null} [box]  Around the person: left, top, right, bottom, pixels of the video.
+ * @property {[number, number, number, number] | null} [personHover]  Of the people found, the one below the pointer.
+ * @property {string} [lookedAt]  The film and frame in which people were looked for last.
  * @property {[number, number] | null} [draftRange]  First and last frame to draft; null: all.
  * @property {boolean} [rings]  Whether keypoints are drawn, once somebody chose; else they are beside the Track tab.
  * @property {boolean} [personMask]  Whether the network's mask of the person is drawn.
@@ -634,6 +638,8 @@
  * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
  * @property {number} [shown]  The frame whose picture is on the screen.
+ * @property {number} [unreadable]  The frame that turned out last to have no picture.
+ * @property {boolean} [placeSeen]  Whether the frame of the place that is reviewed is on the screen.
  * @property {string | null} [menu]
  * @property {boolean | null} [sheet]  Of keys.
  * @property {string | null} [search]  The command search is open: for all, or for one kind of entries.

@@ -99,6 +99,47 @@ def test_esc_ends_the_gesture_first_and_then_leaves(page: Page) -> None:
     until(lambda: box(page) is None, "no box")
 
 
+def edges(found: list[float]) -> list[int]:
+    return [round(edge) for edge in found]
+
+
+def looked(page: Page) -> list[list[float]]:
+    """Take the tool, and wait for who is found in the picture; those outlines are drawn."""
+    page.get_by_role("button", name="Draw a box").click()
+    people = until_state(page, "people", bool, SECONDS_TO_DRAFT)
+    until_counted(page, "#main .people .found", len(people["boxes"]))
+    return list(people["boxes"])
+
+
+def test_the_person_is_proposed_and_enter_takes_the_box_as_if_it_was_drawn(page: Page) -> None:
+    (person,) = looked(page)
+    page.locator("#mhint", has_text="One person found.").wait_for()
+    screens(page, "box-3-proposed")
+    page.keyboard.press("Enter")
+    until(lambda: box(page) is not None, "the box")
+    assert edges(box(page)) == edges(person)
+    until_counted(page, "#main .box .pull", 8)
+    until_counted(page, "#main .people .found", 0)
+    assert section(page, "job.state") != "running", "the box may be corrected first"
+
+
+def test_the_pointer_shows_a_person_and_a_click_takes_them(page: Page) -> None:
+    (person,) = looked(page)
+    middle = on_screen(page, (person[0] + person[2]) / 2, (person[1] + person[3]) / 2)
+    page.mouse.move(2, 2)
+    page.mouse.move(*middle)
+    until_counted(page, "#main .people .found.hot", 1)
+    page.mouse.click(*middle)
+    assert edges(box(page)) == edges(person)
+
+
+def test_a_box_drawn_by_hand_goes_before_whoever_was_found(page: Page) -> None:
+    (person,) = looked(page)
+    start = (person[0] + 20, person[1] + 20)
+    drag(page, on_screen(page, *start), on_screen(page, person[2] - 20, person[3] - 20))
+    assert rounded(box(page)) == [*map(round, start), round(person[2] - 20), round(person[3] - 20)]
+
+
 def test_a_small_person_is_warned_of_in_amber_and_may_be_drafted(page: Page) -> None:
     draw(page, 330, 20, 360, 62)
     words = "The person is small here (42 px). Choose a nearer frame if there is one."

@@ -153,15 +153,15 @@ def to_the_person(page: Page) -> None:
     page.keyboard.press("Enter")
     until(lambda: title(page) == "How is the camera tilted?", "the next step")
     page.locator("#guide").get_by_role("button", name="Don’t know").click()
-    until(lambda: title(page) == "Draw a box around the person", "the person")
+    until(lambda: title(page) == "Choose the person", "the person")
 
 
 def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(page: Page) -> None:
     to_the_person(page)
     until_state(page, "camera.lens_source", lambda source: source == "guess")  # asked, and kept
     until(lambda: page.evaluate("() => window.keypose.ui.tool") == "box", "the tool")
-    for wanted in ("Pose every frame", "Confirm the draft"):
-        page.locator("#guide .foot .btn", has_text="Skip").click()
+    for step, wanted in (("Draft", "Pose every frame"), ("Review", "Confirm the draft")):
+        page.locator("#guide .steps").get_by_role("button", name=step).click()
         until(lambda wanted=wanted: title(page) == wanted, wanted)
     page.locator("#guide").get_by_role("button", name="Close guide").click()
     until_counted(page, "#guide .coach", 0)
@@ -174,7 +174,7 @@ def test_the_guide_asks_how_the_camera_is_tilted_and_a_level_one_leads_on(page: 
     page.locator("#guide .foot .pri", has_text="Find by upright lines").wait_for()
     page.locator("#guide").get_by_role("button", name="Level camera").click()
     until_state(page, "camera.up_origin", lambda origin: origin == "drawn")
-    until(lambda: title(page) == "Draw a box around the person", "the person")
+    until(lambda: title(page) == "Choose the person", "the person")
     assert section(page, "camera.tilt_deg") == pytest.approx(0)
 
 
@@ -188,6 +188,31 @@ def test_a_box_is_drawn_beside_the_card_which_then_offers_the_draft(page: Page) 
     page.locator("#guide .filesays.good").wait_for()
     until_counted(page, "#guide .coach.behind", 0)
     page.locator("#guide .foot .pri", has_text="Draft 73 frames").wait_for()
+
+
+def test_enter_waits_for_what_a_step_has_begun(page: Page) -> None:
+    page.keyboard.press("Enter")
+    until(lambda: title(page) == "How is the camera tilted?", "the next step")
+    settled(page)
+    page.evaluate(_AT_WORK)
+    waiting = page.locator("#guide .foot .btn[aria-disabled=true]")
+    until_counted(page, "#guide .foot .btn[aria-disabled=true]", 1)
+    assert "under way" in str(waiting.get_attribute("title"))
+    for _ in range(3):
+        page.keyboard.press("Enter")
+    settled(page)
+    assert title(page) == "How is the camera tilted?"
+    page.evaluate(_AT_REST)
+    until_counted(page, "#guide .foot .btn[aria-disabled=true]", 0)
+    page.locator("#guide").get_by_role("button", name="Level camera").click()
+    until(lambda: title(page) == "Choose the person", "the person")
+
+
+_JOB = """async () => {
+  const { applySections } = await window.keypose.module('store/state.js');
+  applySections({ job: { state: '%s', title: 'Looking for upright lines', kind: 'fit' } });
+}"""
+_AT_WORK, _AT_REST = _JOB % "running", _JOB % "idle"
 
 
 def test_posing_by_hand_is_one_press_away(page: Page) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -69,13 +69,23 @@ class PeopleInFilm:
 class PeopleFinder:
     """Finds everybody in a picture, with the two bundled networks."""
 
-    def __init__(self, detector: Detector, joints: JointNetwork) -> None:
-        self._detector, self._joints = detector, joints
+    def __init__(
+        self,
+        detector: Detector,
+        joints: JointNetwork,
+        leave: Callable[[], object] = lambda: None,
+    ) -> None:
+        """leave: called before every look at a part of the picture; may raise Cancelled."""
+        self._detector, self._joints, self._leave = detector, joints, leave
 
     @classmethod
-    def open(cls) -> PeopleFinder:
+    def open(cls, leave: Callable[[], object] = lambda: None) -> PeopleFinder:
         """KeypointError where a network cannot be read."""
-        return cls(open_detector(THUNDER), JointNetwork.open(THUNDER))
+        return cls(open_detector(THUNDER), JointNetwork.open(THUNDER), leave)
+
+    def near_or_far(self, picture: NDArray[np.uint8]) -> tuple[FoundPerson, ...]:
+        """The people in a picture; those who are far away where nobody is near."""
+        return self(picture) or self(picture, FAR)
 
     def __call__(
         self, picture: NDArray[np.uint8], shares: Sequence[float] = WHOLE_AND_NEAR
@@ -96,14 +106,19 @@ class PeopleFinder:
         rated = [
             (float(seen.confidence.mean()), box)
             for square in searched_squares(width, height, shares)
-            for seen in self._joints.everybody(picture, square)
+            for seen in self._everybody(picture, square)
             if (box := _box_of_joints(seen, width, height)) is not None
         ]
         likely = [each for each in rated if each[0] >= LEAST_CANDIDATE]
         return [box for _, box in sorted(likely, key=lambda each: -each[0])]
 
+    def _everybody(self, picture: NDArray[np.uint8], square: Region) -> Sequence[SeenJoints]:
+        self._leave()
+        return self._joints.everybody(picture, square)
+
     def _near(self, picture: NDArray[np.uint8], box: Box) -> FoundPerson | None:
         """Who is in a box, as drafting would find them from it; None where nobody is."""
+        self._leave()
         height, width = picture.shape[:2]
         begun = Region.of_box(box, width, height)
         rows = Rows.begun(begun, self._detector, picture, MOST_LOOKS_AT_SEED)

@@ -218,6 +218,7 @@ SECTIONS: dict[str, _Section] = {
         _both(lambda o: (o.reduction,), _doc("keyframes", "part_keyframes")),
         work_values.reduction,
     ),
+    "people": _Section(_both(_edit("frame"), lambda o: (o.people,)), work_values.people),
     "draft": _Section(
         _both(
             _doc("body", "camera", "drafts", "keyframes", "drafted", "reviewed"),

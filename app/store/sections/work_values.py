@@ -229,6 +229,16 @@ def draft(app_state: AppState) -> Json:
     }
 
 
+def people(app_state: AppState) -> Json:
+    """Return who was found in the picture of the present frame, the tallest first; None where
+    nobody has looked. boxes: null where that was not done to the end."""
+    edit = app_state.edit
+    if edit is None or edit.frame not in app_state.people:
+        return None
+    boxes = app_state.people[edit.frame]
+    return {"frame": edit.frame, "boxes": None if boxes is None else [list(box) for box in boxes]}
+
+
 def guide(app_state: AppState) -> Json:
     """The first pose's steps."""
     given = app_state.guide
