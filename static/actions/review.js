@@ -5,7 +5,7 @@ import { isCaughtUp } from '../store/edits.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
-import { view } from '../views/views.js';
+import { isPictureOf, view } from '../views/views.js';
 import { toast } from '../controls/toasts.js';
 import { frame, goTo, isKey, stopPlaying } from './playhead.js';
 import {
@@ -45,6 +45,7 @@ export function mountReview() {
   watch(['review', 'done'], followAnswers);
   watch(['keys', 'u:dragging'], followKeys);
   watch(['job'], followJob);
+  watch(['view', 'u:review', 'u:shown', 'u:unreadable'], () => setUi('placeSeen', Boolean(place() && isSeen(place()))));
   watch(['file'], () => server.file?.path !== before?.path && leave());
 }
 
@@ -92,6 +93,16 @@ const WORDS = { accepted: 'accept_place', unclear: 'cannot_tell' };
 /** Whether another frame is looked at than the place's. */
 export const isElsewhere = () => Boolean(place()) && place()?.frame !== frame();
 
+/** Whether its own frame is seen yet: the picture, and the body as the server has it there. */
+const isSeen = ({ frame: at }) => server.view?.frame === at && isPictureOf(at);
+
+/** Why the place cannot be answered: what is answered is seen. */
+export function whyNotAnswer() {
+  const row = place();
+  if (!row) return whyNoPlace();
+  return isElsewhere() || isSeen(row) ? '' : `Frame ${row.frame} is still being loaded`;
+}
+
 /** @param {'accepted' | 'unclear'} given */
 export function answer(given) {
   const row = place();
@@ -99,6 +110,7 @@ export function answer(given) {
   if (isElsewhere()) return show(row); // what is answered is seen
   // A row that was answered and clicked again has its answer: the list goes on.
   if (answerOf(ui.review, row.id)) return turn(1);
+  if (whyNotAnswer()) return; // the same press again answers, once there is something to see
   const now = presentPlace(server.review?.places ?? [], row);
   if (!now) return passGone(row);
   send({ do: WORDS[given], frame: now.frame, part: now.part });

@@ -37,7 +37,7 @@ const SHOWN = [
   'pins', 'proposed_pins', 'floor', 'camera_motion', 'background',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:span', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
-  'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone', 'u:allInSpace',
+  'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:placeSeen', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone', 'u:allInSpace',
 ];
 
 /** What was selected when it was last brought into sight. */

@@ -1,7 +1,7 @@
 // The review in the inspector's place: the goal, how far one is, a row for every place.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
+import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { closeReview, goal, lowerGoal, setGoal, visit } from '../actions/review.js';
 import { doneWords, openRows } from '../actions/review_list.js';
 import { dropdown } from '../controls/dropdown.js';
@@ -154,13 +154,16 @@ function limbWords({ part }) {
 
 /** @param {import('../actions/actions.js').ActionId} id */
 function act(id, kind, showsKey = true) {
-  return html`<button type="button" class="btn sm ${kind}" title=${`${titleOf(id)} (${keyOf(id)})`} @click=${(event) => press(event, id)}>
+  const why = whyNot(id);
+  return html`<button type="button" class="btn sm ${kind} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing}
+    title=${why || `${titleOf(id)} (${keyOf(id)})`} @click=${(event) => press(event, id)}>
     ${labelOf(id)}${showsKey ? html`<kbd>${keyOf(id)}</kbd>` : nothing}</button>`;
 }
 
 /** By the pointer: nothing moves under it, so the row keeps its height until it leaves. */
 function press(event, id) {
   const isPointer = event.detail > 0;
+  if (whyNot(id)) return;
   if (isPointer && id !== 'nextPlace') setUi('reviewHeld', ui.review.current);
   perform(id);
 }

@@ -134,7 +134,8 @@ function aheadButton(way, kind) {
 
 /** @param {import('../actions/actions.js').ActionId} id */
 function primary(id, word, label = labelOf(id), kind = 'pri') {
-  return html`<button class="btn sm ${kind}" title=${label} @click=${() => perform(id)}
+  const why = whyNot(id);
+  return html`<button class="btn sm ${kind} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing} title=${why || label} @click=${() => perform(id)}
     >${word}<kbd aria-hidden="true">${keyOf(id)}</kbd></button>`;
 }
 

@@ -27,7 +27,7 @@ import { memoize } from './draw/series.js';
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'draft', 'reduction', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
-  'pins', 'proposed_pins', 'camera_motion', 'notes', 'u:timePin', 'review', 'u:review', 'u:reviewGoal', 'u:reviewLeft',
+  'pins', 'proposed_pins', 'camera_motion', 'notes', 'u:timePin', 'review', 'u:review', 'u:placeSeen', 'u:reviewGoal', 'u:reviewLeft',
   'u:timeKeys', 'u:span', 'u:loop', 'u:speed', 'u:shuttle',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',

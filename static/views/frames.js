@@ -77,6 +77,9 @@ function shrink() {
 
 const addressOf = (frame) => `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}&shrink=${shrink()}`;
 
+/** Whether the picture on the screen is this frame's, or will never be: it cannot be read. */
+export const isPictureOf = (frame) => shown === frame || refused.has(frame);
+
 function newFilm() {
   const file = server.file && server.camera ? `${server.file.path}|${server.file.video}` : '';
   const now = file && `${file}|${addressOf(0)}`;
@@ -145,6 +148,7 @@ async function load(frame) {
     const answer = await fetchOwn(addressOf(frame), { signal: abort.signal });
     if (!answer.ok) {
       refused.add(frame);
+      setUi('unreadable', frame);
       return void (frame === wanted && blank());
     }
     const bitmap = await createImageBitmap(await answer.blob());

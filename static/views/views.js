@@ -3,13 +3,13 @@
 import { server, setUi, ui, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
 import { FreeView } from './freeview.js';
-import { mountFrames } from './frames.js';
+import { isPictureOf, mountFrames } from './frames.js';
 import { mountPersonMask } from './person_mask.js';
 import { mountLayout, showLarge } from './layout.js';
 import { ALL_VIEWS, mountPace, onViews, VIEW_KEYS, VIEW_NAMES, VIEWS } from './view.js';
 import { SideView } from './sideview.js';
 
-export { ALL_VIEWS, onViews, showLarge, VIEW_KEYS, VIEW_NAMES, VIEWS };
+export { ALL_VIEWS, isPictureOf, onViews, showLarge, VIEW_KEYS, VIEW_NAMES, VIEWS };
 
 const PATIENCE_MS = 1200;
 

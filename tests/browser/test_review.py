@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, Route
 
 from keypose.tracker.storage.files import save_session
 from keypose.tracker.storage.results import save_results
@@ -53,6 +53,19 @@ def current(page: Page) -> str | None:
     return found.inner_text() if found.count() else None
 
 
+def pressed(page: Page, key: str = "Enter") -> None:
+    """Answer the place once its frame is seen."""
+    until(lambda: page.evaluate(_IS_SEEN), "the frame of the place")
+    page.keyboard.press(key)
+
+
+_IS_SEEN = """() => {
+  const { server, ui } = window.keypose;
+  const row = ui.review?.rows.find(({ id }) => id === ui.review.current);
+  return Boolean(row) && row.frame === server.view.frame && row.frame === ui.shown;
+}"""
+
+
 def window(page: Page) -> Any:
     return page.locator(".view#main canvas.vid").evaluate("(screen) => screen.style.transform")
 
@@ -70,7 +83,7 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     until_counted(page, "frame-crop canvas", 3)
     assert page.locator("#status").inner_text().startswith("Enter")
     screens(page, "review-1-open")
-    page.keyboard.press("Enter")
+    pressed(page)
     until_state(page, "review.answered.length", lambda many: many == 1)
     until_state(page, "view.frame", lambda frame: frame == 40)
     assert rows(page) == ["Right forearm", "Left foot", "Left forearm"], "rows stay"
@@ -80,7 +93,7 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     assert rows(page) == ["Left foot", "Left forearm"]
     page.keyboard.press("Shift+N")
     until_state(page, "view.frame", lambda frame: frame == 40)
-    page.keyboard.press("Shift+Enter")
+    pressed(page, "Shift+Enter")
     until_state(page, "review.answered.length", lambda many: many == 2)
     until(lambda: current(page) == "Left forearm")
     page.keyboard.press("Escape")
@@ -91,7 +104,7 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     screens(page, "review-2-left")
     strip.get_by_role("button", name="Continue").click()
     until(lambda: current(page) == "Left forearm")
-    page.keyboard.press("Enter")
+    pressed(page)
     page.locator(".review .ended").get_by_text("Nothing left above 5 px").wait_for()
     screens(page, "review-3-ended")
     page.keyboard.press("Control+z")
@@ -109,7 +122,7 @@ def test_the_question_beside_the_timeline_is_not_cut(page: Page) -> None:
 def test_enter_at_a_place_that_was_answered_already_leads_on(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until(lambda: current(page) == "Right forearm")
-    page.keyboard.press("Enter")
+    pressed(page)
     until(lambda: current(page) == "Left foot")
     page.locator(".rv-go").first.click()
     until(lambda: current(page) == "Right forearm")
@@ -117,7 +130,7 @@ def test_enter_at_a_place_that_was_answered_already_leads_on(page: Page) -> None
     until(lambda: current(page) == "Left foot")
     answered(page)
     assert len(section(page, "review.answered")) == 1
-    page.keyboard.press("Enter")
+    pressed(page)
     until_state(page, "review.answered.length", lambda many: many == 2)
 
 
@@ -132,15 +145,37 @@ def test_enter_at_another_frame_leads_back_before_anything_is_accepted(page: Pag
     until_state(page, "view.frame", lambda frame: frame == 10)
     answered(page)
     assert section(page, "review.answered") == []
-    page.keyboard.press("Enter")
+    pressed(page)
     until_state(page, "review.answered.length", lambda many: many == 1)
+
+
+def test_what_is_not_seen_yet_is_not_accepted(page: Page) -> None:
+    held: list[Route] = []
+    page.route("**/frame/10.jpg*", lambda route: held.append(route))
+    page.reload()  # with no pictures kept
+    page.wait_for_selector("#main canvas.vid[data-frame]")
+    page.keyboard.press("Shift+R")
+    until_state(page, "view.frame", lambda frame: frame == 10)
+    until(lambda: held, "the picture to be asked for")
+    answer = page.locator(".rv-place.on .acts .btn.pri")
+    until(lambda: answer.get_attribute("aria-disabled") == "true", "the answer to wait")
+    for key in ("Enter", "Shift+Enter"):
+        page.keyboard.press(key)
+    answered(page)
+    assert section(page, "review.answered") == []
+    assert current(page) == "Right forearm"
+    for route in held:
+        route.continue_()
+    pressed(page)
+    until_state(page, "review.answered.length", lambda many: many == 1)
+    page.unroute("**/frame/10.jpg*")
 
 
 def test_its_end_says_how_many_were_accepted_and_how_many_left_open(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until(lambda: current(page) == "Right forearm")
     for key, answers in (("Enter", 1), ("Shift+Enter", 2), ("Enter", 3)):
-        page.keyboard.press(key)
+        pressed(page, key)
         until_state(
             page,
             "review.answered.length",
@@ -269,7 +304,7 @@ def test_what_is_not_tracked_yet_may_bring_more(page: Page) -> None:
     until_state(page, "keys.frames", lambda keys: keys == [0, 48, 72])
     page.keyboard.press("Shift+R")
     until(lambda: current(page) == "Left forearm")
-    page.keyboard.press("Enter")
+    pressed(page)
     page.get_by_text("Nothing left above 5 px so far").wait_for()
     page.keyboard.press("Escape")
     until_counted(page, "section.review", 0)

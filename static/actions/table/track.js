@@ -8,7 +8,7 @@ import { draftLabel, draftMessage, draftTimeWords, restCount, whyNotDraft, whyNo
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
-  answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotReview,
+  answer, goal, isElsewhere, isReviewing, place, places, toggleReview, turn, whyNoPlace, whyNotAnswer, whyNotReview,
 } from '../review.js';
 import { liftWords, whyNotFindUp, whyNotLift, whyNotStand } from '../standing.js';
 import {
@@ -28,7 +28,7 @@ export const REVIEW = {
   acceptPlace: {
     also: 'confirm ok right review', alone: 'Accept this place',
     label: () => (isElsewhere() ? `Back to ${place().frame}` : 'Accept'),
-    title: () => (isElsewhere() ? 'Go to the place that is reviewed' : 'The motion is right here'), keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace,
+    title: () => (isElsewhere() ? 'Go to the place that is reviewed' : 'The motion is right here'), keys: ['Enter'], row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNotAnswer,
     run: () => answer('accepted'),
   },
   nextPlace: {
@@ -42,7 +42,7 @@ export const REVIEW = {
   cannotTell: {
     also: 'review unclear hidden unknown skip', alone: 'Cannot tell at this place',
     label: 'Cannot tell', title: 'The picture does not show it: leave this place open and do not ask again', keys: ['Shift Enter'],
-    row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNoPlace, run: () => answer('unclear'),
+    row: 'In review: accept, cannot tell', handledBy: 'review', off: whyNotAnswer, run: () => answer('unclear'),
   },
   continueReview: {
     also: 'resume review left', alone: 'Continue the review',
