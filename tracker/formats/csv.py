@@ -11,7 +11,8 @@ degrees of its rotation in its parent's frame (the root's: the camera frame), R 
 `keypose.tracker.body.heading`. For a person then `<joint>_<angle>_deg` by the clinical names and
 signs of `keypose.tracker.body.joint_angles`, such as `left_knee_flexion_deg`. Angles run on from
 frame to frame, past half a turn where the motion does: of all triples that are one rotation, the
-one nearest to the frame before is given.
+one nearest to the frame before is given. Whole turns of rz and rx that a part gains beside the
+pole, where ry is a quarter turn and both turn about nearly one axis, are taken back there.
 
 frames: what is known of every frame, and how far to trust it.
 

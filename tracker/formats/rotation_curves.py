@@ -30,6 +30,10 @@ LOCKED = 1e-8
 
 FULL_TURN = 2 * np.pi
 
+NEAR_POLE = np.sin(np.radians(45.0))
+"""sin y from which on z and x turn about nearly one axis: half a turn of both is no turn of the
+part, which only passes beside the pole, and whole turns are no part's if they add up there."""
+
 
 def smooth_euler(rotations: Array) -> Array:
     """[z, y, x] (N, ..., 3), radians, of rotations (N, ..., 3, 3) of consecutive frames.
@@ -44,11 +48,28 @@ def smooth_euler(rotations: Array) -> Array:
 
 def known_smooth_euler(rotations: Array) -> Array:
     """[z, y, x] (N, ..., 3), radians, smooth over the frames that are known, also across a gap; NaN
-    of the others."""
+    of the others. Whole turns that z and x gain by passing the pole are taken back where they pass
+    it; those of a part that does turn stay."""
     angles = np.full(rotations.shape[:-1], np.nan)
     known = np.isfinite(rotations).reshape(len(rotations), -1).all(axis=1)
-    angles[known] = smooth_euler(rotations[known])
+    smooth = smooth_euler(rotations[known])
+    for part in np.ndindex(smooth.shape[1:-1]):
+        _take_turns_back(smooth[(slice(None), *part)])
+    angles[known] = smooth
     return angles
+
+
+def _take_turns_back(angles: Array) -> None:
+    """Bring z and x of [z, y, x] (N, 3) back to within half a turn in the mean after every pass of
+    the pole, in place; the step is where the part is nearest to it."""
+    height = np.abs(np.sin(angles[:, 1]))
+    edges = np.flatnonzero(np.diff(height > NEAR_POLE)) + 1
+    runs = [range(*ends) for ends in pairwise([0, *edges.tolist(), len(angles)])]
+    for passed, after in pairwise(runs):
+        if len(passed) and height[passed[0]] > NEAR_POLE:
+            at = passed[0] + int(np.argmax(height[passed]))
+            turns = np.round(angles[after][:, [0, 2]].mean(axis=0) / FULL_TURN)
+            angles[at:, [0, 2]] -= FULL_TURN * turns
 
 
 def _nearest(before: Array, now: Array) -> Array:
