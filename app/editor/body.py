@@ -25,6 +25,7 @@ from keypose.tracker.body.body import PRESETS, Body, Dof, Name, Part, preset
 from keypose.tracker.body.modify import (
     can_have_clavicles,
     has_clavicles,
+    unscaled,
     with_clavicles,
     with_new_part,
     with_renamed_part,
@@ -97,7 +98,10 @@ class Height(Edit):
     cm: Centimetres
 
     def apply(self, state: EditorState) -> Session:
-        return with_body(state, with_height(state.doc.subject.body, self.cm))
+        body = state.doc.subject.body
+        # From the preset itself: a height that is corrected leaves no rounding of the one before.
+        whole = unscaled(body, map(preset, PRESETS)) or body
+        return with_body(state, with_height(whole, self.cm))
 
 
 class Preset(Edit):

@@ -17,7 +17,7 @@ from keypose.app.editor.documents import (
 )
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
-from keypose.tracker.body.modify import without_clavicles
+from keypose.tracker.body.modify import unscaled, without_clavicles
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed
@@ -75,11 +75,9 @@ def require_rest(doc: Session) -> record.DraftRest:
 
 def keeps_proportions(doc: Session) -> bool:
     """Return whether somebody has sized the body: keyframes are posed with it, or it is no
-    preset's.
-    """
-    return bool(doc.subject.keyframes) or without_clavicles(doc.subject.body) not in map(
-        preset, PRESETS
-    )
+    preset's. A height alone says nothing of its proportions."""
+    body = without_clavicles(doc.subject.body)
+    return bool(doc.subject.keyframes) or unscaled(body, map(preset, PRESETS)) is None
 
 
 def drafted_session(

@@ -32,7 +32,9 @@ export function lensCard() {
       <label class="mut">35 mm equivalent</label>
       ${slider({ ...focalSpec(), min, max, zero: min, tick: false, log: true, rolls: true })}${numberField(focalSpec())}
     </div>
-    ${fileLine()}${stabilised()}`;
+    ${fileLine()}${stabilised()}
+    <div class="row filesays"><span class="mut">Calibrated, or solved elsewhere?</span><span class="sp"></span>
+      <button type="button" class="btn sm" title="Read the lens, and how the camera moved, from a file of another program" @click=${() => perform('importFile')}>Camera file…</button></div>`;
 }
 
 /** @param {import('../actions/lens.js').Kind} kind */
@@ -125,7 +127,8 @@ function person(metres) {
     <text class="m" x=${at + 14} y=${up + 4}>${shortNumber(metres, 1)} m</text>`;
 }
 
-const isPosed = () => Boolean(server.pose && !['opening', 'rest'].includes(server.pose.source));
+/** Whether somebody has posed the body, or a draft has. */
+export const isPosed = () => Boolean(server.pose && !['opening', 'rest'].includes(server.pose.source));
 
 /** Metres to the body as it is posed; before that, to one that is as tall as the picture. */
 function distance() {
@@ -262,29 +265,50 @@ function foundLine() {
 }
 
 function personLine() {
-  if (!ui.box) return html`${foundLine()}${thingLine()}`;
+  if (!ui.box) return html`${foundLine()}${heightLine()}${otherLine()}`;
   const small = smallWords();
   return html`<div class="row filesays ${small ? 'warned' : 'good'}">${icon(small ? 'warn' : 'check')}
-    <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>`;
+    <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>${heightLine()}`;
 }
 
-/** Something else than a person is posed by hand, once its sizes are set. */
-function thingLine() {
-  const things = server.body?.presets.filter((preset) => preset.is_object) ?? [];
-  return html`<div class="row"><span class="note">Not a person?</span>
-    ${things.map(({ name, label }) => html`<button type="button" class="btn sm" title="Set its sizes and pose it by hand"
-      @click=${() => takeThing(name)}>${label}</button>`)}</div>`;
+/** A child is drafted like an adult; an animal or a thing is posed by hand. */
+function otherLine() {
+  const others = server.body?.presets.filter(({ name, is_object: isObject }) => isObject || OTHERS.includes(name)) ?? [];
+  return html`<div class="row others"><span class="note">Somebody else?</span>
+    ${others.map((one) => html`<button type="button" class="btn sm" aria-pressed=${server.body?.preset === one.name}
+      title=${one.name === 'child' ? 'Draft a child of about 7 years' : 'Pose it by hand'}
+      @click=${() => takeBody(one)}>${one.label}</button>`)}</div>`;
+}
+
+const OTHERS = ['child', 'dog', 'horse'];
+
+/** Whose steps are others leads on by itself, once the body is there. */
+function takeBody({ name, is_object: isObject }) {
+  send({ do: 'preset', name });
+  if (name === 'child') return;
+  setUi('box', null);
+  setUi('tool', 'move');
+  if (isObject) takeThing(name);
 }
 
 function takeThing(name) {
-  send({ do: 'preset', name });
   send({ do: 'select', part: name });
-  setUi('box', null);
-  setUi('tool', 'move');
   setUi('tab', 'part');
   setUi('guidePath', 'thing');
   setUi('guideStep', 0);
 }
+
+/** Of the preset until it is said. */
+function heightLine() {
+  const { height_cm: value } = server.body;
+  return html`<div class="row height"><label class="mut">Height</label>${numberField({
+    key: 'guide-height', label: 'Height of the person', value, unit: 'cm', decimals: 0, step: 0.5, coarse: 5, min: LEAST_CM, max: MOST_CM,
+    title: 'From the soles to the top of the head', edit: (cm) => ({ do: 'height', cm }),
+  })}<span class="note">If you know it: depth and lengths are right then.</span></div>`;
+}
+
+const LEAST_CM = 40;
+const MOST_CM = 250;
 
 const said = (words) => (words ? html`<p class="note">${words}</p>` : nothing);
 

@@ -15,7 +15,7 @@ import { interaction, onInteraction } from '../handles/interaction.js';
 import { isDrawingTool } from '../handles/sketch.js';
 import { isDragCoveredBy } from '../handles/floating.js';
 import { carry, covers, coversWords, drawMarks, forgetPulled, mountPulled, placeInCorner } from './places.js';
-import { DRAFT } from './film_steps.js';
+import { DRAFT, isPosed } from './film_steps.js';
 import { ending, isByHand, isDone, isKept, pathByHand, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
@@ -79,6 +79,8 @@ export function mountGuide() {
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
     if (isOpen()) place(card.querySelector('.coach'));
+    // Until it is posed it would stand before the person.
+    view('main').el.classList.toggle('unposed', isOpen() && !isByHand() && !isPosed());
     drawMarks(marks, isOpen() && !ui.dragging ? currentStep() : null);
   };
   mountPulled();
@@ -286,7 +288,7 @@ function bar(step, i) {
 }
 
 function lift(event) {
-  if (event.button !== 0 || event.target.closest('button')) return;
+  if (event.button !== 0 || event.target.closest('button, number-field, slide-bar')) return;
   isPutAside = true;
   carry(event);
 }
@@ -302,8 +304,8 @@ function place(card) {
 
 function put(card) {
   const step = currentStep();
+  if (!isByHand() && !isPutAside && putBeside(card)) return;
   if (step?.beside && !isPutAside) return putLeft(card);
-  if (step?.tool === 'box' && !isPutAside && putBeside(card)) return;
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
   corner = placeInCorner(card, step, corner);

@@ -215,6 +215,43 @@ _JOB = """async () => {
 _AT_WORK, _AT_REST = _JOB % "running", _JOB % "idle"
 
 
+def test_the_card_stands_beside_the_picture_and_no_body_before_the_person(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with another_film(browser, tmp_path) as page:
+        page.set_viewport_size({"width": 1366, "height": 768})
+        for step in range(4):
+            page.locator("#guide .steps button").nth(step).click()
+            settled(page)
+            card, view = (page.locator(of).bounding_box() for of in ("#guide .coach", "#main"))
+            assert card is not None
+            assert view is not None
+            assert card["x"] >= view["x"] + view["width"], step
+            until_counted(page, "#main.unposed", 1)
+            assert page.locator("#main .hands .grip:visible").count() == 0
+        page.locator("#guide .steps button").nth(2).click()
+        page.locator("#guide").get_by_role("button", name="Pose by hand instead").click()
+        until_counted(page, "#main.unposed", 0)
+
+
+def test_the_person_may_be_a_child_or_an_animal_and_as_tall_as_is_said(page: Page) -> None:
+    to_the_person(page)
+    card = page.locator("#guide")
+    card.get_by_role("button", name="Child", exact=True).click()
+    until_state(page, "body.preset", lambda preset: preset == "child")
+    assert title(page) == "Choose the person"
+    field = card.get_by_role("spinbutton", name="Height of the person")
+    field.click()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("117")
+    page.keyboard.press("Enter")
+    until_state(page, "body.height_cm", lambda cm: abs(cm - 117) < 1e-6)
+    assert title(page) == "Choose the person", "Enter was the field's"
+    card.get_by_role("button", name="Dog", exact=True).click()
+    until_state(page, "body.preset", lambda preset: preset == "dog")
+    until(lambda: "Step 1 of" in page.locator("#guide .foot").inner_text(), "posing by hand")
+
+
 def test_posing_by_hand_is_one_press_away(page: Page) -> None:
     to_the_person(page)
     page.locator("#guide").get_by_role("button", name="Pose by hand instead").click()

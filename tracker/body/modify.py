@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any, Final
 
 import numpy as np
 from pydantic import ValidationError
@@ -34,6 +35,9 @@ shoulder, at its height, and so many metres before it, by an upper arm's length 
 RISES, SINKS, SWINGS, GIVES = 40.0, 10.0, 25.0, 10.0
 """Degrees that it rises and sinks, swings forward and back, and turns about its own length: what
 textbooks give for the joint at the breastbone, rounded."""
+
+ROUNDING: Final = 1e-9
+"""Sizes that differ by so little, metres or as a ratio, are the same."""
 
 HALF_HEIGHT, HALF_DEPTH, LENGTH = 0.02, 0.025, 0.9
 """Its shape, over an upper arm of 30 cm; it ends at this share of the way to the shoulder."""
@@ -197,6 +201,27 @@ def with_height(body: Body, height_m: float) -> Body:
     """The body scaled evenly so that `height` gives `height_m` metres."""
     _require_ratio("height_m", height_m)
     return scaled(body, height_m / height(body))
+
+
+def unscaled(body: Body, others: Iterable[Body]) -> Body | None:
+    """Which of other bodies this one is, scaled evenly at most; None where it is none of them."""
+    for other in others:
+        if body.names == other.names:
+            same_height = scaled(other, height(body) / height(other))
+            if _is_alike(body.model_dump(), same_height.model_dump()):
+                return other
+    return None
+
+
+def _is_alike(one: Any, other: Any) -> bool:
+    """Return whether all is equal but for rounding."""
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=ROUNDING, abs_tol=ROUNDING)
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_is_alike(one[k], other[k]) for k in one)
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
+        return len(one) == len(other) and all(map(_is_alike, one, other))
+    return bool(one == other)
 
 
 def resized(

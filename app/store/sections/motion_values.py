@@ -248,7 +248,7 @@ def review(app_state: AppState) -> Json:
 def _place(doc: Session, found: Review, place: Place) -> Json:
     """`end` is in the camera frame, metres; `at` and `box` pixels of the picture as it is shown."""
     camera = doc.camera_at(place.frame).without_distortion()
-    limb = camera.project(place.limb_m)
+    body = camera.project(place.body_m)
     crop = max(CROP_SHARE * found.body_m * place.px_per_m, LEAST_CROP_PX)
     return {
         "id": place.id,
@@ -268,7 +268,7 @@ def _place(doc: Session, found: Review, place: Place) -> Json:
         "radius_m": round((place.px or 0.0) / place.px_per_m, 4),
         "at": _listed(camera.project(place.end_m), 1),
         "crop": round(crop, 1),
-        "box": [*_listed(limb.min(axis=0), 1), *_listed(limb.max(axis=0), 1)],
+        "box": [*_listed(body.min(axis=0), 1), *_listed(body.max(axis=0), 1)],
     }
 
 

@@ -15,11 +15,13 @@ from keypose.app.jobs.draft import DraftClip, Drafted, progress_of
 from keypose.app.jobs.job import Progress
 from keypose.app.store import runner, store
 from keypose.tracker.body.body import preset
+from keypose.tracker.body.modify import with_height
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.session import Session
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, segment_keys
@@ -298,7 +300,14 @@ async def test_a_draft_of_a_body_that_was_changed_meanwhile_is_left(desk: Desk) 
     changed = desk.doc
     desk.find(3)
     assert desk.doc is changed
-    desk.do(DRAFT)
+
+
+async def test_a_height_that_is_known_stays_and_the_proportions_are_still_found(desk: Desk) -> None:
+    desk.do({"do": "height", "cm": 171.5}, {"do": "height", "cm": 190}, DRAFT)
+    sent = Session.model_validate_json(desk.order.session)
+    assert sent.subject.body == with_height(BODY, 1.9), "what --height writes"
+    assert desk.order.proportions
+    desk.do({"do": "joint", "part": "head", "y": 30}, DRAFT)
     assert not desk.order.proportions  # somebody sized it
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from keypose.tracker.body.body import PRESETS, Body, Part, Point, load_body, preset
-from keypose.tracker.body.modify import height, joint_moved, resized, scaled, with_height
+from keypose.tracker.body.modify import height, joint_moved, resized, scaled, unscaled, with_height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
@@ -166,3 +166,24 @@ def test_what_the_body_model_forbids_is_refused_in_one_sentence() -> None:
         joint_moved(MALE, "waist", (0.0, 0.0, 0.0))
     with pytest.raises(BodyError, match="no part 'wing'"):
         resized(MALE, "wing", length_factor=1.1)
+
+
+@steady
+@given(st.sampled_from(PRESETS), FACTORS, FACTORS)
+def test_a_body_that_was_scaled_evenly_is_still_the_one_it_was(
+    name: str, factor: float, again: float
+) -> None:
+    body = preset(name)
+    assert unscaled(scaled(scaled(body, factor), again), map(preset, PRESETS)) == body
+
+
+SIZED = {
+    "one part longer": resized(MALE, "head", length_factor=1.01),
+    "one joint moved": joint_moved(MALE, "head", (0.0, 0.21, 0.0)),
+    "a preset of others": with_height(preset("box"), 1.7),
+}
+
+
+@pytest.mark.parametrize("sized", SIZED)
+def test_a_body_whose_proportions_are_its_own_is_nobodys(sized: str) -> None:
+    assert unscaled(with_height(SIZED[sized], 1.9), [MALE]) is None
