@@ -14,9 +14,10 @@ import {
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
 
-/** The limb takes this share of the picture. */
-const LIMB_SHARE = 1 / 3;
-const BODY_SHARE = 0.75;
+/** The body takes this share of the view at most: feet and head stay in sight, the more so where it is corrected. */
+const BODY_SHARE = 0.85;
+/** What its bars leave of the view, px. */
+const ROOM = { x: 12, top: 56, bottom: 12 };
 
 /** The window of the picture before the review, and the path of the film it was of. */
 let before = null;
@@ -156,7 +157,7 @@ function change(list) {
   if (row && row.id !== was) show(row);
 }
 
-/** Go to a place: its frame, its part, and its limb large in the picture. */
+/** Go to a place: its frame, its part, and the body large in the picture. */
 function show(row) {
   keyedBefore = keyedAt(row.frame);
   correctedRow = null;
@@ -227,15 +228,20 @@ function putBack() {
   main.redraw();
 }
 
-/** The limb, or at least what its crop shows, in a third of the picture; the whole body in most of it. */
-function zoomTo({ part, box: [left, top, right, bottom], crop }) {
+/** The whole body as large as it can be seen, but no nearer than what its crop shows. */
+function zoomTo({ box: [left, top, right, bottom], crop }) {
   const [x, y] = [(left + right) / 2, (top + bottom) / 2];
-  const share = part === null ? BODY_SHARE : LIMB_SHARE;
-  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map((side) => side / share / 2);
+  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map((side) => side / BODY_SHARE / 2);
   const main = view('main');
-  main.window.showBox([x - wide, y - high, x + wide, y + high]);
+  main.window.showBox([x - wide, y - high, x + wide, y + high], { ...ROOM, top: belowBars(main.el) });
   main.window.chosen = true;
   main.redraw();
+}
+
+/** Where a draft is described, the body stands below it. */
+function belowBars(element) {
+  const bar = document.getElementById('mdraft')?.getBoundingClientRect();
+  return bar ? Math.max(ROOM.top, bar.bottom - element.getBoundingClientRect().top + ROOM.x) : ROOM.top;
 }
 
 // --- the keyboard

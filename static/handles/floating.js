@@ -3,6 +3,7 @@
 // without one. Cards that ask for something else than a drag stay whole, and so do all while
 // something is drawn: no handle can be grabbed then.
 
+import { peopleHere } from '../actions/people.js';
 import { onRedraw, server, ui } from '../store/state.js';
 import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { boxCornersIn } from './boxcorners.js';
@@ -70,10 +71,27 @@ export function mountFloating() {
 
 function giveWay() {
   const spots = ui.playing || isDrawingTool(ui.tool) ? [] : handlesInWindow();
-  placeMessages(spots);
+  placeMessages([...spots, ...peopleInWindow()]);
   for (const element of document.querySelectorAll(FLOATING)) {
     cutHoles(/** @type {HTMLElement} */ (element), element.matches(WHOLE) ? [] : spots);
   }
+}
+
+/** Where the body is, its feet and its head, or those who may be drafted and the box around one. */
+function peopleInWindow() {
+  const main = viewNamed('main');
+  if (!isReady(main)) return [];
+  const boxes = ui.tool === 'box' ? [...peopleHere(), ...(ui.box ? [ui.box] : [])] : [];
+  const joints = ui.tool === 'box' || !server.pose ? [] : Object.values(server.pose.points).map((point) => main.project(point));
+  const { left, top, right, bottom } = main.over.getBoundingClientRect();
+  const spots = [...joints, ...boxes.flatMap(gridOf).map((spot) => main.fromView(spot))].map(([x, y]) => [left + x, top + y]);
+  return spots.filter(([x, y]) => x > left && x < right && y > top && y < bottom);
+}
+
+/** Places in a box of the picture, so near each other that no message stands between them. */
+function gridOf([left, top, right, bottom]) {
+  const at = [0, 1, 2, 3, 4].map((i) => i / 4);
+  return at.flatMap((u) => at.map((v) => [left + u * (right - left), top + v * (bottom - top)]));
 }
 
 /** Every handle that can be grabbed now, in pixels of the window. */

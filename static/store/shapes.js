@@ -248,7 +248,7 @@
  * @property {number} radius_m  The expected error, metres.
  * @property {Spot} at  The far end in the picture.
  * @property {number} crop  Side of what is shown of the picture around it, pixels.
- * @property {[number, number, number, number]} box  Around its limb: left, top, right, bottom, pixels.
+ * @property {[number, number, number, number]} box  Around the body there: left, top, right, bottom, pixels.
  */
 
 /** @typedef {{ frame: number, part: string, answer: 'accepted' | 'unclear' }} Answered */

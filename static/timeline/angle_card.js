@@ -7,15 +7,23 @@ import {
   chartAngle, closeAngle, degrees, extremes, saveAnglePicture, saveAngleTable,
 } from '../actions/angles.js';
 import { frame, goTo, stopPlaying } from '../actions/playhead.js';
+import { clamp } from '../controls/arithmetic.js';
 import { button, dropdown, iconButton } from '../controls/fields.js';
 import { clampFrame } from '../store/clip.js';
 import { server, watch } from '../store/state.js';
 import { GUTTER, frameAt, right, visible, x } from './draw/scale.js';
 import { line, runsOf } from './draw/series.js';
 
+/** Of the chart, where there is room; less in a low window. */
 const HEIGHT = 144;
+const LEAST_HEIGHT = 72;
 const AIR = 14;
-const RULER_PX = 24;
+/** Half of what a value takes at the right end. */
+const END_PX = 14;
+/** Above the card the ruler and the row of keyframes stay in sight. */
+const RULER_PX = 60;
+/** What of the card is not the chart, px. */
+const AROUND_PX = 52;
 
 let place = null;
 let drawing = null;
@@ -28,6 +36,8 @@ export function mountAngleCard(element, timeline) {
 }
 
 function draw() {
+  // The timeline is higher meanwhile, by what the chart needs.
+  document.documentElement.dataset.chart = server.joint_angle && !server.reduction ? 'yes' : 'no';
   render(server.joint_angle && !server.reduction ? card(server.joint_angle) : nothing, place);
   put();
 }
@@ -41,6 +51,9 @@ function put() {
   shown.style.width = `${box.width}px`;
   shown.style.top = `${Math.max(box.top + RULER_PX, box.bottom - shown.getBoundingClientRect().height)}px`;
 }
+
+/** What fits below the rows that stay, whole above the status bar. */
+const chartHeight = () => clamp(drawing.getBoundingClientRect().height - RULER_PX - AROUND_PX, LEAST_HEIGHT, HEIGHT);
 
 function card(shown) {
   const { sides, choices, positive, negative, joint, angle } = shown;
@@ -70,16 +83,17 @@ function sideNow({ side, values }) {
 function chart(shown) {
   if (!shown.sides.some(({ values }) => extremes(values))) return html`<p class="note">No pose is known yet.</p>`;
   const [low, high] = angleRange(shown);
-  const y = (value) => AIR + ((high - value) * (HEIGHT - 2 * AIR)) / (high - low);
+  const height = chartHeight();
+  const y = (value) => AIR + ((high - value) * (height - 2 * AIR)) / (high - low);
   const { first, last } = visible();
   const at = x(frame());
-  return html`<svg class="anglechart" height=${HEIGHT} role="img" aria-label=${`${shown.label}, degrees`}
+  return html`<svg class="anglechart" height=${height} role="img" aria-label=${`${shown.label}, degrees`}
       @pointerdown=${press} @pointermove=${drag}>
     ${ticksOf(low, high, STEPS, 6).map((value) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)} />
       <text x=${GUTTER - 8} y=${y(value) + 4}>${value}°</text>`)}
     ${shown.sides.map(({ side, values }) => runsOf(values).map((run) => svg`<path class="curve ${side}" d=${line(run, y)} />`))}
     ${shown.sides.map(({ side, values }) => ends(side, values, y, first, last))}
-    <line class="now" x1=${at} x2=${at} y1="0" y2=${HEIGHT} />
+    <line class="now" x1=${at} x2=${at} y1="0" y2=${height} />
     ${shown.sides.map(({ side, values }) => now(side, values[frame()], at, y))}
   </svg>`;
 }
@@ -90,7 +104,7 @@ function ends(side, values, y, first, last) {
   if (!found) return nothing;
   return [found.low, found.high].filter((one) => one.frame >= first && one.frame <= last).map((one) => svg`<g class="end ${side}">
     <circle cx=${x(one.frame)} cy=${y(one.value)} r="3.5" />
-    <text x=${x(one.frame)} y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`);
+    <text x=${Math.min(x(one.frame), right() - END_PX)} y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`);
 }
 
 function now(side, value, at, y) {

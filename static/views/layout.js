@@ -105,13 +105,16 @@ function nudge(event, name) {
   describeSize(event.currentTarget, name);
 }
 
+/** What the chart of a joint's angle adds to the timeline meanwhile, px. */
+const chartHeight = () => parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--h-chart')) || 0;
+
 /** The size now, in pixels. */
 function sizeOf(name) {
   const { rows } = SPLITTERS[name];
   if (rows !== undefined) return rowHeights()[rows];
   const ids = { views: null, insp: 'insp', time: 'time' };
   const element = ids[name] ? document.getElementById(ids[name]) : smallView();
-  return SPLITTERS[name].along === 'x' ? element.offsetWidth : element.offsetHeight;
+  return SPLITTERS[name].along === 'x' ? element.offsetWidth : element.offsetHeight - (name === 'time' ? chartHeight() : 0);
 }
 
 /** @returns {HTMLElement} */

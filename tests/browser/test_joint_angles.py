@@ -12,7 +12,7 @@ from playwright.sync_api import Page
 from keypose.tracker.body.joint_angles import joint_angles
 from keypose.tracker.storage.files import load_session
 from tests.browser.dense import PERSON, save_sample, true_poses
-from tests.browser.interaction import screen, section, until, until_counted, until_state
+from tests.browser.interaction import screen, section, settled, until, until_counted, until_state
 
 
 @pytest.fixture
@@ -62,3 +62,38 @@ def test_a_knee_angle_is_found_by_its_name_charted_and_saved(page: Page, tmp_pat
     assert (tmp_path / "knee.png").stat().st_size > 10_000
     page.locator(".anglecard").get_by_role("button", name="Close").click()
     until_counted(page, ".anglecard", 0)
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1440, 900), (1024, 600)])
+def test_the_chart_is_whole_and_the_keyframes_above_it_stay_in_sight(
+    page: Page, size: tuple[int, int]
+) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    settled(page)
+    before = page.locator("#main").bounding_box()
+    page.evaluate(_CHART)
+    until_counted(page, ".anglechart path.curve", 2)
+    settled(page)
+    card, status, row = (
+        page.locator(name).bounding_box() for name in (".anglecard", "#status", "#tsvg")
+    )
+    assert card is not None
+    assert status is not None
+    assert row is not None
+    assert before is not None
+    assert card["y"] + card["height"] <= status["y"] + 0.5
+    assert card["y"] >= row["y"] + KEYFRAMES_END_PX
+    chart = page.locator(".anglechart").bounding_box()
+    assert chart is not None
+    for text in page.locator(".anglechart text").all():
+        box = text.bounding_box()
+        assert box is not None
+        assert chart["y"] - 1 <= box["y"]
+        assert box["y"] + box["height"] <= chart["y"] + chart["height"] + 1
+    page.locator(".anglecard").get_by_role("button", name="Close").click()
+    until(lambda: page.locator("#main").bounding_box() == before, "the room given back")
+
+
+KEYFRAMES_END_PX = 55
+_CHART = """async () => (await window.keypose.module('store/link.js'))
+  .send({ do: 'joint_angle', joint: 'knee', angle: 'flexion' })"""

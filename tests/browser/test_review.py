@@ -111,6 +111,22 @@ def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -
     until(lambda: current(page) == "Left forearm")
 
 
+def test_at_every_place_the_whole_body_is_in_sight(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    for part in ("Right forearm", "Left foot", "Left forearm"):
+        until(lambda part=part: current(page) == part)  # type: ignore[misc]
+        until(lambda: page.evaluate(_IS_SEEN), "the frame of the place")
+        answered(page)
+        view = page.locator("#main").bounding_box()
+        assert view is not None
+        for name in section(page, "pose.points"):
+            x, y = spot(page, name)
+            assert view["x"] < x < view["x"] + view["width"], name
+            assert view["y"] + 50 < y < view["y"] + view["height"], name
+        page.keyboard.press("n")
+    page.keyboard.press("Escape")
+
+
 def test_the_question_beside_the_timeline_is_not_cut(page: Page) -> None:
     page.keyboard.press("Shift+R")
     until(lambda: current(page) == "Right forearm")

@@ -44,7 +44,7 @@ class Place:
     part: None where it is about the whole body.  frames: first and last frame it is about.
     px, cm: by which it is expected to be off: pixels of the video; None where nobody knows.
     end_m: (3,) where the part's far end lies, camera frame.  px_per_m: there.
-    limb_m: (K, 3) the joints and the end of its limb, or of all where it is about the whole body.
+    body_m: (K, 3) the joints and the ends of all parts.
     """
 
     why: Reason
@@ -55,7 +55,7 @@ class Place:
     cm: float | None
     end_m: Array
     px_per_m: float
-    limb_m: Array
+    body_m: Array
 
     @property
     def cause(self) -> str:
@@ -216,15 +216,14 @@ def _place(
     assert known.camera is not None
     body, index = known.skeleton.body, known.index(part)
     Ts = pose_transforms(known.skeleton, pose)
-    limb = tuple(range(len(body.parts))) if part is None else known.limb_of(part)
-    ends = [Ts[k, :3, :3] @ far_end(body, k) + Ts[k, :3, 3] for k in limb]
-    end = Ts[index, :3, :3] @ far_end(body, index) + Ts[index, :3, 3]
+    ends = [T[:3, :3] @ far_end(body, k) + T[:3, 3] for k, T in enumerate(Ts)]
+    end = ends[index]
     depth = float(known.camera.depth(end))
     if depth <= 0:
         return None
     scale = known.px_per_m_at(depth, frame)
     cm = None if px is None or known.guessed else 100 * px / scale
-    joints = np.concatenate([Ts[list(limb), :3, 3], ends])
+    joints = np.concatenate([Ts[:, :3, 3], ends])
     return Place(why, frame, part, frames, px, cm, end, scale, joints)
 
 
