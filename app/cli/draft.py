@@ -44,7 +44,7 @@ DONE, INTERRUPTED = 0, 130
 _REASONS = {
     "start": "first draft",
     "end": "last draft",
-    "pose": "turning point of the motion",
+    "pose": "extreme pose of the motion",
     "residual": "joints lie beside their keypoints",
     "hidden": "joints are hidden",
     "flip": "may point the other way in depth",

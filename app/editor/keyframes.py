@@ -200,7 +200,7 @@ class SoftenKey(Edit):
     """The motion need only come near a keyframe."""
 
     do: Literal["soften_key"] = "soften_key"
-    verb, target = "soften keyframe", "frame"
+    verb, target = "approximate keyframe", "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
@@ -211,7 +211,7 @@ class SoftenKeys(Edit):
     """The motion need only come near some keyframes, such as those that pins contradict."""
 
     do: Literal["soften_keys"] = "soften_keys"
-    verb = "soften keyframes"
+    verb = "approximate keyframes"
     frames: Frames
 
     def apply(self, state: EditorState) -> Session:

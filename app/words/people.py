@@ -46,7 +46,7 @@ def several_words(found: PeopleInFilm) -> str:
 
 def accepted_words(frames: Sequence[int]) -> str:
     """Say which drafts are keyframes now."""
-    return f"Drafts accepted as soft keyframes: {_listed(frames)}."
+    return f"Drafts accepted as approximate keyframes: {_listed(frames)}."
 
 
 def undrafted_words(frames: Sequence[int]) -> str:

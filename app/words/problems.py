@@ -118,7 +118,7 @@ def _is_all(frames: tuple[int, int], first: int, last: int) -> bool:
     return frames[0] <= first + 1 and frames[1] >= last - 1
 
 
-PASSES: Final = "forward and backward passes differ"
+PASSES: Final = "tracked from either keyframe, it differs"
 
 _REASONS: Final[Mapping[ProblemCause, Callable[[Problem], str]]] = {
     "not_seen": lambda found: f"{_hidden(found)}, {frame_range(*found.frames)}",

@@ -18,7 +18,7 @@ WHOLE_BODY: Final = "Whole body"
 _DRAFTS: Final[Mapping[Reason, Callable[[str], str]]] = {
     "start": lambda _: "first frame of the draft",
     "end": lambda _: "last frame of the draft",
-    "pose": lambda _: "turning point of the motion",
+    "pose": lambda _: "extreme pose of the motion",
     "residual": lambda part: f"{part} may be off",
     "hidden": lambda part: f"{part} hidden",
     "flip": lambda part: f"{part} may point the other way",

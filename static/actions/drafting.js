@@ -85,7 +85,7 @@ export function smallWords() {
 const REASONS = {
   start: () => 'first frame of the draft',
   end: () => 'last frame of the draft',
-  pose: () => 'turning point of the motion',
+  pose: () => 'extreme pose of the motion',
   residual: (parts) => `${parts} may be off`,
   hidden: (parts) => `${parts} hidden`,
   flip: (parts) => `${parts} may point the other way`,

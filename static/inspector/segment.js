@@ -145,7 +145,7 @@ function chart(one) {
       <text x=${LEFT - 6} y=${TOP + 4} class="y">${top}</text><text x=${LEFT - 6} y=${BOTTOM + 4} class="y">0</text>
       ${curve(one, x, y, many)}${numbers(many, x)}
     </svg>
-    <p class="note">Error per pass, grey levels. The best pass is kept.</p>`;
+    <p class="note">Error per pass, in levels of brightness from 0 to 255. The best pass is kept.</p>`;
 }
 
 function nothingDrawn(one) {

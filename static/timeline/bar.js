@@ -172,7 +172,7 @@ function right() {
     aria-pressed=${String(ui.chart === name)} @click=${() => setUi('chart', name)}>${label}</button>`;
   const charts = html`<div class="seg" role="group" aria-label="Chart">
       ${choice('angle', 'Angle', 'Angle of the selected part')}
-      ${choice('score', 'Score', 'Error per pass of this segment')}</div>`;
+      ${choice('score', 'Error', 'Error per pass of this segment')}</div>`;
   return html`${isSurface() ? nothing : charts}
     <span class=${`fold${ui.lanes ? '' : ' folded'}`}>${button('lanes')}</span>
     ${button('zoomToInterval')}`;

@@ -49,7 +49,7 @@ test('one pins only a hand or a foot with the key, but unpins whatever is pinned
 });
 
 test('a keyframe is softened, and made exact again', () => {
-  assert.equal(labelOf('softKey', 0), 'Soften the keyframe');
+  assert.equal(labelOf('softKey', 0), 'Make the keyframe approximate');
   assert.equal(labelOf('softKey', 50), 'Make the keyframe exact');
   assert.equal(whyNot('softKey', 7), 'Frame 7 is not a keyframe');
 });
@@ -60,8 +60,8 @@ test('keyframes that pins contradict by more than is seen are softened together'
   server.space = [{ ...found, go: 50, cm: 36, keyframes: [0, 50] }, { ...found, go: 24, cm: 2, keyframes: [24] }];
   assert.deepEqual(pins.contradicted(), [0, 50]);
   assert.equal(whyNot('softKeys'), '');
-  assert.equal(labelOf('softKeys'), 'Soften 2 keyframes');
-  assert.equal(labelOf('softKeys', [24]), 'Soften the keyframe');
+  assert.equal(labelOf('softKeys'), 'Make 2 keyframes approximate');
+  assert.equal(labelOf('softKeys', [24]), 'Make the keyframe approximate');
   server.space = [];
 });
 

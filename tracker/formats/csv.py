@@ -32,7 +32,7 @@ frames: what is known of every frame, and how far to trust it.
                             written. Where it begins as a formula does, an apostrophe stands before
                             it, so that no spreadsheet computes it
     <part>_observability    of that step: 0, all guessed, to 1, all seen
-    <part>_residual         of that step: difference of brightness, grey levels
+    <part>_residual         of that step: difference of brightness, of 0 to 255
 
 What is not known is left empty: poses of frames that are not tracked, evidence where none was taken
 (such as in a preview, or of a part that is not tracked), the step after the last frame.

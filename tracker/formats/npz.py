@@ -32,7 +32,7 @@ the video's frames.
     rank                   (N−1,)          of the step from a frame to the next, −1 where not known
     degrees_of_freedom     ()              the rank that there can be
     observability          (N−1, P)        of the step: 0, all guessed, to 1, all seen
-    residual               (N−1, P)        of the step: difference of brightness, grey levels
+    residual               (N−1, P)        of the step: difference of brightness, of 0 to 255
     K                      (3, 3)          the camera; pixel centres are at integers
     distortion             (5,)            k1, k2, p1, p2, k3
     image_size             (2,)            width and height, pixels

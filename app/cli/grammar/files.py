@@ -82,7 +82,7 @@ def add_import(commands: Subcommands) -> None:
     details = (
         "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
         "is fitted to the session's body, aligned with its keyframes and saved as an initial "
-        "guess, which tracking uses where it scores better than its own. With --keypoints, COCO, "
+        "guess, which tracking uses where it fits better than its own. With --keypoints, COCO, "
         "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. With "
         "--camera: the film's camera as another program found it. "
         "Keyframes are never changed."

@@ -63,7 +63,7 @@ def add_draft(commands: Subcommands) -> None:
     command.add_argument(
         "--accept",
         action="store_true",
-        help="take the drafts that are proposed as soft keyframes, without a look at them",
+        help="take the drafts that are proposed as approximate keyframes, without a look at them",
     )
     command.add_argument("--out", metavar="DIR", type=file_name, help="folder for the session")
     add_json(command)
@@ -451,8 +451,9 @@ _RUN_EXAMPLES = """\
 
 def add_run(commands: Subcommands) -> None:
     details = (
-        "The person is found, every frame drafted, the proposed drafts taken as soft keyframes, "
-        "the motion of a camera that moves found, the motion tracked and stood on the floor: what "
+        "The person is found, every frame drafted, the proposed drafts taken as approximate "
+        "keyframes, the motion of a camera that moves found, the motion tracked and stood on the "
+        "floor: what "
         "the page does, with nobody looking. Each film has a session of its own in the folder, to "
         "be opened in the page. What was decided and where to look is printed, and reported with "
         "pictures in batch-report.html. A film in which several people, or none, are found ends "

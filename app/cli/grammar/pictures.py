@@ -107,7 +107,7 @@ _REPORT_EXAMPLES = """\
 
 def add_report(commands: Subcommands) -> None:
     details = (
-        "It has the verdicts in words, rank and observability over time, the score of every "
+        "It has the verdicts in words, rank and observability over time, the error of every "
         "pass, joint angles, the gait of one who walks, keyframes with their intervals, and "
         "pictures. The file is self-contained and needs no network. Without the video the "
         "pictures are left out."

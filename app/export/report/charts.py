@@ -58,7 +58,7 @@ def score_chart(track: SegmentResult) -> Html:
     name = f"{track.first}–{track.last}"
     state = track.kind or "none"
     if not finite:
-        none = element("p", "No pass could be scored.", class_="quiet")
+        none = element("p", "No pass has an error that is known.", class_="quiet")
         return element("figure", element("figcaption", element("b", name)), none, class_="multi")
     best = [number_text(score, 2) for i, score in finite if i == track.best_pass]
     ticks = [(_pass_scale(track).percent(i), str(i + 1)) for i in range(len(track.scores))]
@@ -80,7 +80,7 @@ def _score_line(track: SegmentResult, finite: list[tuple[int, float]]) -> Html:
         path(line, f"score {state}"),
         path(dots(points.values()), f"dots {state}"),
         path(dots(at for i, at in points.items() if i == track.best_pass), f"dots best {state}"),
-        words=f"Score per pass of segment {track.first}–{track.last}: {words}",
+        words=f"Error per pass of segment {track.first}–{track.last}: {words}",
     )
 
 

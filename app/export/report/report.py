@@ -114,7 +114,7 @@ def charts_section(subject: Subject) -> Html:
         words = "The difference of brightness that is left after every pass; lower is better."
         more = _left_out(len(tracks) - len(charts), "segments")
         quiet = element("p", words, more, class_="quiet")
-        pieces.append(_section("Score per pass", quiet, element("div", *charts, class_="cols")))
+        pieces.append(_section("Error per pass", quiet, element("div", *charts, class_="cols")))
     return joined(pieces)
 
 

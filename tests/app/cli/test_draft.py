@@ -200,7 +200,7 @@ def test_drafts_are_accepted_as_soft_keyframes_with_their_very_numbers(
     drafts = {d.frame: d for d in load_session(plain / "session.json").subject.drafts}
     assert run(["draft", plain, "--accept"]) == 0
     assert run(command(at_once, "--accept")) == 0
-    words = "Drafts accepted as soft keyframes: 0, 5."
+    words = "Drafts accepted as approximate keyframes: 0, 5."
     assert capsys.readouterr().out.count(words) == 2
     one, other = (load_session(folder / "session.json") for folder in (plain, at_once))
     assert one.subject == other.subject

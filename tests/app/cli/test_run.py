@@ -75,7 +75,7 @@ def test_a_film_becomes_a_motion_on_its_floor_and_files_from_an_empty_folder(
     assert re.search(r"^jump +tracked +\d", out, re.M)
     for words in (
         "One person found: --box ",
-        "Drafts accepted as soft keyframes: 0, ",
+        "Drafts accepted as approximate keyframes: 0, ",
         "Soles within",
     ):
         assert words in out

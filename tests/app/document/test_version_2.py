@@ -27,7 +27,7 @@ from tests.app.serving import ROOT
 from tests.tracker.session_cases import written
 
 HERE = Path(__file__).parent / "version_2"
-DIFFER = ": forward and backward passes differ"
+DIFFER = ": tracked from either keyframe, it differs"
 SPANS = ((0, 6), (6, 12), (12, 18), (18, 19))
 VERDICTS = [
     GOOD,

@@ -411,8 +411,8 @@ def test_a_body_without_the_pinned_part_is_refused() -> None:
         ({"do": "delete_pin", "index": 0}, "unpin"),
         ({"do": "accept_pins"}, "accept proposed pins"),
         ({"do": "split_pin", "index": 0, "frame": 5}, "split a pin at 5"),
-        ({"do": "soften_key", "frame": 50}, "soften keyframe 50"),
-        ({"do": "soften_keys", "frames": [0, 50]}, "soften keyframes"),
+        ({"do": "soften_key", "frame": 50}, "approximate keyframe 50"),
+        ({"do": "soften_keys", "frames": [0, 50]}, "approximate keyframes"),
         ({"do": "floor"}, "change the floor"),
     ],
 )

@@ -189,7 +189,7 @@ def test_the_reason_is_seldom_more_than_that_the_passes_differ(
 ) -> None:
     monkeypatch.setattr(JudgedSegments, "occluder", lambda *_: None)
     place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
-    assert reason_of_place(place) == "forward and backward passes differ"
+    assert reason_of_place(place) == "tracked from either keyframe, it differs"
 
 
 def test_a_limb_that_was_keyed_by_itself_is_right_there() -> None:

@@ -293,12 +293,12 @@ def test_the_score_chart_marks_the_best_pass_and_skips_what_was_not_scored() -> 
     track = judged(0, 4)
     track = type(track)(**{**vars(track), "scores": (4.0, np.nan, 1.0, 2.0), "best_pass": 2})
     found = read(score_chart(track))
-    assert "Score per pass of segment 0–4: 1: 4, 3: 1, 4: 2" in found.text
+    assert "Error per pass of segment 0–4: 1: 4, 3: 1, 4: 2" in found.text
     paths = {a["class"]: a["d"] for tag, a in found.tags if tag == "path"}
     assert (paths["dots good"] or "").count("M") == 3
     assert (paths["dots best good"] or "").count("M") == 1
     nothing = type(track)(**{**vars(track), "scores": (np.nan,), "best_pass": 0})
-    assert "No pass could be scored" in read(score_chart(nothing)).text
+    assert "No pass has an error that is known" in read(score_chart(nothing)).text
 
 
 @pytest.mark.parametrize("best", [-7, -1, 99])
