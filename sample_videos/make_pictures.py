@@ -18,6 +18,9 @@ from playwright.sync_api import Page, sync_playwright
 
 from keypose.app.cli.main import main as keypose
 from keypose.app.document.library.samples import own_copy
+from keypose.app.document.new import new_session
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.storage.files import save_session
 from keypose.tracker.video import Video
 from tests.app.serving import Keypose
 from tests.browser.chromium import ARGUMENTS, find
@@ -36,6 +39,21 @@ REPORTED = ("Hip flexion", "Ankle internal rotation")
 CROPPED = """() => [...document.querySelectorAll('#insp .rv-place frame-crop')]
   .every((crop) => crop.querySelector('canvas'))"""
 """Whether every place of the review has its small picture."""
+
+FLOOR = """async (floor) =>
+  (await window.keypose.module('store/link.js')).send({ do: 'display', floor })"""
+FOOT = """() => {
+  const view = window.keypose.view('main');
+  const { left, top } = view.el.getBoundingClientRect();
+  const [x, y] = view.project(window.keypose.server.pose.points.left_foot);
+  return [left + x, top + y];
+}"""
+
+PANNED_SIZE, PANNED_FX = (640, 480), 1100.0
+PANNED_RAD = 0.2
+"""The camera of the film that pans looks so far to both sides."""
+PANNED_SHOWN = (5, 55, 105)
+SQUARE_PX = 24
 
 Picture: TypeAlias = NDArray[np.uint8]
 
@@ -137,8 +155,79 @@ def report(page: Page, session: Path, folder: Path) -> Picture:
     return picture
 
 
+def stand(page: Page, session: Path, folder: Path) -> Picture:
+    """Feet on the floor that was found, where they are pinned."""
+    page.evaluate(FLOOR, True)
+    foot = page.evaluate(FOOT)
+    page.mouse.move(*foot)
+    _zoom(page, 4)
+    _settle(page)
+    picture = _seen(page, "#main")
+    page.evaluate(FLOOR, False)
+    page.keyboard.press("0")
+    return picture
+
+
+def camera(page: Page, session: Path, folder: Path) -> Picture:
+    """What a camera that pans has swept, found again from a film that was made with it."""
+    film, turned = folder / "pan.mp4", folder / "pan" / "session.json"
+    _pan(FOLDER / "walk.mp4", film)
+    with Video.open(film) as video:
+        turned.parent.mkdir()
+        save_session(new_session(video, turned), turned)
+    _run("camera", turned, "--kind", "turns")
+    _run("camera", turned, "--background", folder / "swept.png")
+    swept = _read(folder / "swept.png")
+    frames = [_read_frame(film, number) for number in PANNED_SHOWN]
+    width = swept.shape[1]
+    height = round(frames[0].shape[0] * width / (len(frames) * frames[0].shape[1]))
+    row = np.hstack(frames)
+    return np.vstack([np.asarray(cv2.resize(row, (width, height)), np.uint8), swept])
+
+
+def matte(page: Page, session: Path, folder: Path) -> Picture:
+    """The person cut out, before squares that show through."""
+    frames = f"{SHOWN_FRAME}-{SHOWN_FRAME}"
+    _run("matte", session, "--frames", frames, "--out", folder / "matte")
+    (file,) = (folder / "matte").glob("*.png")
+    cut = cv2.imdecode(np.frombuffer(file.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+    assert cut is not None
+    alpha = cut[..., 3:] / 255.0
+    rows, columns = np.indices(cut.shape[:2]) // SQUARE_PX
+    squares = np.where((rows + columns) % 2, 205.0, 235.0)[..., None]
+    filmed = _read_frame(FOLDER / "walk.mp4", SHOWN_FRAME)
+    shown = (alpha * cut[..., :3] + (1 - alpha) * squares).astype(np.uint8)
+    seen = np.flatnonzero(alpha[..., 0].max(axis=0) > 0.5)
+    left = int(np.clip(seen.mean() - filmed.shape[1] / 4, 0, filmed.shape[1] / 2))
+    half = slice(left, left + filmed.shape[1] // 2)
+    return np.hstack([filmed[:, half], shown[:, half]])
+
+
+def _pan(source: Path, film: Path) -> None:
+    """A film as a camera had made it that pans over the pictures of another."""
+    width, height = PANNED_SIZE
+    K_film = np.array([[PANNED_FX, 0, width / 2], [0, PANNED_FX, height / 2], [0, 0, 1]])
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"mp4v"), 30, PANNED_SIZE)
+    first, last = FILMED
+    with Video.open(source) as video:
+        for number in range(first, last):
+            picture = video.frame(number)[..., ::-1]
+            middle = np.array([picture.shape[1] / 2, picture.shape[0] / 2])
+            K_source = np.array([[PANNED_FX, 0, middle[0]], [0, PANNED_FX, middle[1]], [0, 0, 1]])
+            angle = PANNED_RAD * (2 * (number - first) / (last - first) - 1)
+            H = K_film @ exp_rotation([0.0, -angle, 0.0]) @ np.linalg.inv(K_source)
+            writer.write(cv2.warpPerspective(picture, H, PANNED_SIZE))
+    writer.release()
+
+
+def _read_frame(film: Path, number: int) -> Picture:
+    with Video.open(film) as video:
+        return np.ascontiguousarray(video.frame(number)[..., ::-1])
+
+
 GALLERY: Final[dict[str, Callable[[Page, Path, Path], Picture]]] = {
-    draw.__name__: draw for draw in (posing, timeline, space, review, views, report)
+    draw.__name__: draw
+    for draw in (posing, timeline, space, review, views, report, stand, camera, matte)
 }
 """What the README shows, by the names of the files."""
 
