@@ -244,7 +244,7 @@ SECTIONS: dict[str, _Section] = {
 PLACES: Mapping[str, str] = {
     **dict.fromkeys(("file", "camera", "camera_motion", "camera_here", "background"), "the camera"),
     **dict.fromkeys(("body", "solids", "sizes_preview"), "the body"),
-    **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface"), "the views"),
+    **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface", "people"), "the views"),
     **dict.fromkeys(
         (
             "keys",
