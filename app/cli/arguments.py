@@ -298,18 +298,18 @@ def _how(one: Option) -> dict[str, Any]:
         return {"action": "store_true"}
     names = getattr(one.value, "names", ())
     metavar = one.value.metavar or (f"{{{','.join(names)}}}" if names else None)
-    repeated = {"action": "append"} if one.repeated else {"action": _Once} if one.once else {}
+    repeated = {"action": "append"} if one.repeated else {"action": Once} if one.once else {}
     known = {"choices": names} if type(one.value) is Choice else {}  # for a shell to complete
     return {"type": typed(one.value), "metavar": metavar, **known, **repeated}
 
 
-class _Once(argparse.Action):
+class Once(argparse.Action):
     """Stores a value and refuses a second one."""
 
     def __call__(self, *given: Any, **_: Any) -> None:
         _parser, namespace, value, *_rest = given
-        if getattr(namespace, self.dest) is not None:
-            raise argparse.ArgumentError(self, "is given twice: one person is drafted at a time")
+        if getattr(namespace, self.dest) not in (None, self.default):
+            raise argparse.ArgumentError(self, "is given twice")
         setattr(namespace, self.dest, value)
 
 

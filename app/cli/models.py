@@ -128,7 +128,6 @@ def _seen_words(model: Model) -> list[str]:
 
 
 def _downloaded(model: Model) -> bytes:
-
     try:
         with urlopen(f"{PACKAGE}/{model.file}", timeout=TIMEOUT_S) as answer:
             content: bytes = answer.read(LARGEST_BYTES)

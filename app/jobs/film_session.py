@@ -114,8 +114,8 @@ def who_is_drafted(
 def people_seen(
     video: Video, numbers: list[int], report: Callable[[float], None] = lambda share: None
 ) -> PeopleInFilm | None:
-    """Who is to be seen at some frames of a film; at every second of them those who are far away,
-    where nobody is near."""
+    """Who is to be seen at some frames of a film; where nobody is near, who is far away at the
+    first frame of every second that shows somebody."""
     finder, seen = PeopleFinder.open(), dict[int, tuple[FoundPerson, ...]]()
     searches = [(number, WHOLE_AND_NEAR) for number in numbers]
     searches += [(number, FAR) for number in numbers[::2]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -44,7 +44,12 @@ def needs_lines(session: Session) -> bool:
     return session.world.up_world is None and session.has_static_camera
 
 
-def stood(session: Session, path: Path, results: Results) -> tuple[Standing, Results]:
+def stood(
+    session: Session,
+    path: Path,
+    results: Results,
+    cancelled: Callable[[], bool] | None = None,
+) -> tuple[Standing, Results]:
     """A saved session on its floor, and its results with the motion solved for there; no file is
     written. SessionError where nobody stands.
 
@@ -60,9 +65,9 @@ def stood(session: Session, path: Path, results: Results) -> tuple[Standing, Res
         with open_video_of(session, path) as video:
             lines = upright_lines(session, video)
     motion = None if session.subject.results is None else load_tracks(session, path)
-    done = stand(session, results.fitting(session), lines, motion=motion)
+    done = stand(session, results.fitting(session), lines, cancelled, motion=motion)
     for stretch in results.unsolved(done.session):
-        results = results.with_space(solved(done.session, stretch))
+        results = results.with_space(solved(done.session, stretch, cancelled))
     return done, results
 
 

@@ -88,12 +88,14 @@ class FilmOrder:
 
 @dataclass(frozen=True)
 class FilmToDraft:
-    """A film without a session, who is drafted in it and how it was taken."""
+    """A film without a session, who is drafted in it and how it was taken. name: what its session
+    is called, where not as the film."""
 
     path: Path
     order: FilmOrder = field(default_factory=FilmOrder)
     network: DraftOrder = field(default_factory=DraftOrder)
     taken: FilmTaken = field(default_factory=FilmTaken)
+    name: str | None = None
 
 
 FILM_ORDERS: Final = {"order": FilmOrder, "network": DraftOrder, "taken": FilmTaken}

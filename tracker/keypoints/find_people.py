@@ -156,12 +156,13 @@ def _middles(length: int, side: float) -> list[float]:
 
 def people_in_film(seen: Mapping[int, Sequence[FoundPerson]]) -> PeopleInFilm | None:
     """Who may be meant, of the people seen at some frames: in the frame with the most people of
-    about the tallest one's height, and of such frames in that with the surest. None where there is
-    nobody."""
+    about the tallest one's height in any of them, and of such frames in that with the surest. None
+    where there is nobody."""
     large: dict[int, list[FoundPerson]] = {}
     smaller: dict[int, tuple[FoundPerson, ...]] = {}
+    heights = [person.height_px for people in seen.values() for person in people]
+    tallest = max(heights, default=0.0)
     for frame, people in seen.items():
-        tallest = max((person.height_px for person in people), default=0.0)
         large[frame] = [p for p in people if p.height_px >= AS_LARGE * tallest]
         if rest := tuple(p for p in people if p.height_px < AS_LARGE * tallest):
             smaller[frame] = rest

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from keypose.app.cli.arguments import (
     UNITS,
     UP_AXES,
+    Once,
     Subcommands,
     add_command,
     add_film_orders,
@@ -369,9 +370,9 @@ _BATCH_EXAMPLES = """\
   keypose batch films.csv --out films --export bvh
   keypose batch /shared/recordings --scheduler tcp://10.0.0.1:8786
 
-A table has a row for each film and columns film, box, frame, frames, body, height, lens and others
-as the options of `keypose draft`; empty is as where the option is left out. Films are taken as by
-`keypose run`, and a session that is there is tracked as it is.
+A table has a row for each film and columns film, name (of its session), box, frame, frames, body,
+height, lens and others as the options of `keypose draft`; empty is as where the option is left
+out. Films are taken as by `keypose run`, and a session that is there is tracked as it is.
 
 On a cluster, `dask scheduler` and `dask worker` of the Dask project do the work; they need Keypose
 installed and see the sessions and videos under the same paths as this computer. Their lines have
@@ -408,9 +409,9 @@ def add_batch(commands: Subcommands) -> None:
         "--out",
         metavar="DIR",
         type=file_name,
-        help="folder for the report and the exported files; default: the deepest folder that "
-        "contains all sessions. The progress of the batch is kept there too, in "
-        ".keypose-batch",
+        help="folder for the report, the exported files and the sessions of a table's films, which "
+        "otherwise lie beside the films; default: the deepest folder that contains all sessions. "
+        "The progress of the batch is kept there too, in .keypose-batch",
     )
     _add_workers(command, "sessions")
     command.add_argument(
@@ -425,6 +426,7 @@ def _add_export(command: argparse.ArgumentParser, *, but: Container[str] = ()) -
         "--export",
         metavar="FORMAT[,FORMAT]",
         type=motion_formats,
+        action=Once,
         default=(),
         help="also export the motion, beside each session or below --out; formats as in "
         "keypose export",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -22,7 +23,11 @@ TABLES: Final = (".csv", ".tsv")
 LARGEST_TABLE_BYTES: Final = 4 * 2**20
 MOST_FILMS: Final = 10_000
 FILM: Final = "film"
-"""The column of the films' names."""
+"""The column of the films."""
+NAME: Final = "name"
+"""The column of what their sessions are called, where not as the films."""
+PLAIN_NAME: Final = re.compile(r"[^\x00-\x1f/\\:*?\"<>|.][^\x00-\x1f/\\:*?\"<>|]{0,99}")
+"""What any system takes for the name of a folder."""
 DELIMITERS: Final = ",;\t"
 
 
@@ -52,6 +57,8 @@ def films_in(paths: Sequence[Path]) -> tuple[Path, ...]:
 def _films_of(path: Path) -> list[Path]:
     if not path.exists():
         raise SessionError(f"There is no film {str(path)!r}.")
+    if is_table(path):
+        raise SessionError(f"{path.name} is a table: `keypose batch {path}` takes its films.")
     if not path.is_dir():
         return [path]
     inside = sorted(p for p in path.iterdir() if not p.name.startswith("."))
@@ -76,8 +83,15 @@ def placed(films: Sequence[FilmToDraft], out: Path | None) -> list[PlacedFilm]:
             below = film.path.parent.relative_to(_common_folder(films))
         place = film.path.parent if out is None else out.absolute() / below
         session = session_in(place, film.path)
-        if session in taken:  # jump.mov beside jump.mp4
+        if film.name is not None:
+            session = place / f"{film.name}{SESSION_FOLDER}" / SESSION
+        elif session in taken:  # jump.mov beside jump.mp4
             session = place / f"{film.path.name}{SESSION_FOLDER}" / SESSION
+        if session in taken:
+            raise SessionError(
+                f"Several films would have the session {session.parent.name}: give each a name of "
+                "its own, in a column `name` of a table."
+            )
         taken.add(session)
         name = (below / session.parent.name.removesuffix(SESSION_FOLDER)).as_posix()
         rows.append(PlacedFilm(film, name, session))
@@ -102,17 +116,21 @@ def read_table(path: Path) -> list[FilmToDraft]:
     columns = [name.strip().lower().lstrip("-").replace("-", "_") for name in header]
     if FILM not in columns:
         raise FormatError(f"{path.name} has no column {FILM!r}: name the columns in its first row.")
-    unknown = [name for name in columns if name != FILM and name not in options]
+    unknown = [name for name in columns if name not in (FILM, NAME, *options)]
     if unknown:
-        known = ", ".join([FILM, *options])
+        known = ", ".join([FILM, NAME, *options])
         raise FormatError(f"{path.name} has a column {unknown[0][:40]!r}; known are {known}.")
     if len(set(columns)) < len(columns):
         raise FormatError(f"{path.name} has a column twice.")
-    films = [
-        _film(path, number, dict(zip(columns, row, strict=False)))
-        for number, row in enumerate(rows[1:], start=2)
-        if any(cell.strip() for cell in row)
-    ]
+    films = []
+    for number, row in enumerate(rows[1:], start=2):
+        if any(cell.strip() for cell in row[len(columns) :]):
+            raise FormatError(
+                f"{path.name}, row {number}, has more values than there are columns: put values "
+                "with commas in quotes."
+            )
+        if any(cell.strip() for cell in row):
+            films.append(_film(path, number, dict(zip(columns, row, strict=False))))
     if not films:
         raise FormatError(f"{path.name} names no film.")
     return films
@@ -162,7 +180,11 @@ def _film(table: Path, number: int, cells: Mapping[str, str]) -> FilmToDraft:
             raise FormatError(f"{row}, {column}: {str(error).rstrip('.')}.") from None
     for order, of in FILM_ORDERS.items():
         _require_one_each(of, said[order], row)
-    return FilmToDraft(path, **{order: of(**said[order]) for order, of in FILM_ORDERS.items()})
+    called = cells.get(NAME, "").strip() or None
+    if called is not None and not PLAIN_NAME.fullmatch(called):
+        raise FormatError(f"{row}, name: {called[:40]!r} cannot be the name of a folder.")
+    orders = {order: of(**said[order]) for order, of in FILM_ORDERS.items()}
+    return FilmToDraft(path, **orders, name=called)
 
 
 def _require_one_each(order: type, said: Iterable[str], row: str) -> None:

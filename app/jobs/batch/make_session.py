@@ -6,7 +6,8 @@ are left, drafts that are no keyframes yet. Beside it `person.json` says what wa
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from threading import Event
 from typing import Final, TypeAlias
@@ -52,7 +53,8 @@ from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import FrameIndex
 from keypose.tracker.storage.atomic import write_file
-from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.files import LARGEST_SESSION_BYTES, load_session, save_session
+from keypose.tracker.storage.journal import NAME as JOURNAL
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
 from keypose.tracker.video.info import MissingFrame
@@ -77,7 +79,10 @@ class _Record(BaseModel):
     notes: tuple[str, ...] = ()
 
     def with_note(self, words: str) -> _Record:
-        return self.model_copy(update={"notes": (*self.notes, words)}) if words else self
+        """The same with a sentence, unless it is empty or known."""
+        if not words or words in self.notes:
+            return self
+        return self.model_copy(update={"notes": (*self.notes, words)})
 
 
 def is_made_here(session_path: Path) -> bool:
@@ -91,6 +96,16 @@ def notes_of(session_path: Path) -> tuple[str, ...]:
     return () if record is None else record.notes
 
 
+def add_notes(session_path: Path, sentences: Iterable[str]) -> None:
+    """Keep further sentences of what was decided."""
+    record = _record_of(session_path)
+    if record is None:
+        return
+    for words in sentences:
+        record = record.with_note(words)
+    _write_record(record, session_path)
+
+
 def make_session(task: Task, film: FilmToDraft, send: SendStep, stop: Event) -> None:
     """Make the session of a film, or what of it is not made yet; a session that was begun by hand
     is left as it is.
@@ -99,19 +114,19 @@ def make_session(task: Task, film: FilmToDraft, send: SendStep, stop: Event) -> 
     film cannot be drafted, or the session is there and was made of another order.
     """
     path = task.session
-    is_there = path.is_file() and not task.anew
-    record = None if task.anew else _record_of(path)
+    kept = _set_aside(path) if task.anew else ""
+    is_there, record = path.is_file(), _record_of(path)
     if is_there and record is None:
         _require_nothing_asked(film, path)
         return
     if record is not None and record.asked != _asked(task, film):
         raise SessionError(
-            f"{path.parent.name} is there and was made with other options: use the same, add "
-            "--overwrite to begin anew, or choose another folder."
+            f"{path.parent.name} is there and was made with other options: use the same, choose "
+            "another folder, or begin anew with `keypose run` and --overwrite."
         )
     session = load_session(path) if is_there else None
     if record is None or session is None or _is_left(session):
-        session, record = _drafted(task, film, record, send, stop)
+        session, record = _drafted(task, film, record, kept, send, stop)
     if not session.subject.keyframes:
         session, record = _with_camera(session, path, record, _sender(send, "camera", stop))
         _accept(session, path, record)
@@ -121,7 +136,7 @@ def _require_nothing_asked(film: FilmToDraft, path: Path) -> None:
     if any(said(getattr(film, name)) for name in FILM_ORDERS):
         raise SessionError(
             f"{path.parent.name} is there and was begun by hand, so what is said of its film does "
-            "not count: leave it away, or add --overwrite to begin anew."
+            "not count: leave that out, or begin anew with `keypose run` and --overwrite."
         )
 
 
@@ -135,14 +150,25 @@ def _asked(task: Task, film: FilmToDraft) -> dict[str, str]:
 
 
 def _is_left(session: Session) -> bool:
-    """Whether a draft was cancelled before its end."""
-    return session.subject.drafted is None or session.subject.drafted.rest is not None
+    """Whether a draft was cancelled before its end, and nobody has posed anything since."""
+    subject = session.subject
+    is_whole = subject.drafted is not None and subject.drafted.rest is None
+    is_posed = bool(subject.keyframes) or not all(draft.is_found for draft in subject.drafts)
+    return not is_whole and not is_posed
 
 
 def _drafted(
-    task: Task, film: FilmToDraft, record: _Record | None, send: SendStep, stop: Event
+    task: Task,
+    film: FilmToDraft,
+    record: _Record | None,
+    kept: str,
+    send: SendStep,
+    stop: Event,
 ) -> tuple[Session, _Record]:
-    """The session with its drafts, written; and whom they are of."""
+    """The session with its drafts, written; and whom they are of.
+
+    kept: what is said of a session that was there before.
+    """
     path = task.session
     with opened_film(film) as video:
         session = with_settings(begun_session(film, video, path), task.order)
@@ -150,13 +176,13 @@ def _drafted(
         if record is None:
             report = _sender(send, "person", stop)
             who = who_is_drafted(film.order, session, video, report)
-            record = _begin_record(task, film, who, video)
+            record = _begin_record(task, film, who).with_note(kept)
         require_draftable(session, record.frame, record.box, frames)
         who = WhoIsDrafted(record.frame, record.box)
         if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
             session = session.with_up(lines.up_camera)
-            found = f"{camera_words(lines.up_camera.tolist())}, by upright lines."
-            record = record.with_note(found) if found not in record.notes else record
+            words = f"{camera_words(lines.up_camera.tolist())}, by upright lines."
+            record = record.with_note(words)
         session = with_repeats(session, video, *frames)
         report_share = _sender(send, "draft", None)
 
@@ -168,6 +194,7 @@ def _drafted(
             proportions=True, report=report_draft, cancelled=stop.is_set,
         )  # fmt: skip
         session = with_draft_kept(session, video, path, who, frames, drafts)
+        _write_picture(who, video, path.with_name(PICTURE))
     _write_record(record, path)
     save_session(session, path)
     if drafts.detected is not None:
@@ -224,10 +251,24 @@ def _sender(send: SendStep, stage: Stage, stop: Event | None) -> Callable[[float
 # --- the record
 
 
-def _begin_record(task: Task, film: FilmToDraft, who: WhoIsDrafted, video: Video) -> _Record:
+def _set_aside(session_path: Path) -> str:
+    """Set a session aside that is to be made anew, with its history; what is said of that."""
+    session_path.with_name(RECORD).unlink(missing_ok=True)
+    try:
+        content = read_own(session_path, LARGEST_SESSION_BYTES)
+    except OSError:
+        return ""
+    sign = f".theirs-{hashlib.sha256(content).hexdigest()[:8]}"
+    aside = session_path.with_name(f"{session_path.stem}{sign}.json")
+    journal = session_path.with_name(JOURNAL)
+    if journal.is_file():
+        journal.replace(journal.with_name(f"{journal.stem}{sign}{journal.suffix}"))
+    session_path.replace(aside)
+    return f"The session that was there is kept as {aside.name}."
+
+
+def _begin_record(task: Task, film: FilmToDraft, who: WhoIsDrafted) -> _Record:
     words = () if who.found is None else (found_person_words(who.found),)
-    if who.found is not None:
-        _write_picture(who, video, task.session.with_name(PICTURE))
     return _Record(asked=_asked(task, film), frame=who.frame, box=who.box, notes=words)
 
 
@@ -250,8 +291,8 @@ def _record_of(session_path: Path) -> _Record | None:
         return _Record.model_validate_json(content)
     except ValidationError:
         raise SessionError(
-            f"{str(path)!r} is damaged: remove it to track the session as it stands, or add "
-            "--overwrite to begin anew."
+            f"{str(path)!r} is damaged: remove it to track the session as it stands, or begin anew "
+            "with `keypose run` and --overwrite."
         ) from None
 
 

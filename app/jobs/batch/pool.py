@@ -11,8 +11,8 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import connection as connections
 from multiprocessing.connection import Connection
@@ -110,7 +110,8 @@ class _Worker:
         self.process: BaseProcess = context.Process(
             target=serve, args=(theirs,), name="keypose-batch", daemon=True
         )
-        self.process.start()
+        with _without_ctrl_c():  # until the child ignores it by itself
+            self.process.start()
         theirs.close()  # so that its end is the end of the line
         self.number: int | None = None
 
@@ -120,6 +121,19 @@ class _Worker:
         if self.process.is_alive():
             self.process.kill()
             self.process.join()
+
+
+@contextmanager
+def _without_ctrl_c() -> Iterator[None]:
+    """Within, Ctrl+C waits, and reaches no process that is started; where the system knows that."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class LocalPool:

@@ -177,7 +177,7 @@ def _person(path: Path) -> Html | None:
     if picture is None:
         return None
     picture = cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
-    words = "The person that was found"
+    words = "The person who was drafted"
     caption = element("figcaption", element("b", words))
     return element("figure", embedded(np.asarray(picture, np.uint8), words), caption)
 

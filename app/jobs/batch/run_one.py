@@ -8,14 +8,20 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
 from keypose.app.export.motion_files import motion_files, saved_motion
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.batch.finding import SESSION
-from keypose.app.jobs.batch.make_session import PICTURE, is_made_here, make_session, notes_of
+from keypose.app.jobs.batch.make_session import (
+    PICTURE,
+    add_notes,
+    is_made_here,
+    make_session,
+    notes_of,
+)
 from keypose.app.jobs.batch.task import (
     Export,
     PlaceToReview,
@@ -59,6 +65,11 @@ from keypose.tracker.storage.tracks import load_tracks
 from keypose.tracker.tracking.pool import Cancelled, SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
+
+BY_HAND: Final = (
+    "The session was begun by hand: it was tracked as it stands, and not stood on the floor."
+)
+STANDS_ALREADY: Final = "It was stood on the floor before, and stays so."
 
 
 def export_of(
@@ -115,7 +126,10 @@ def _failure_as_summary(task: Task, send: SendStep, stop: Event) -> Summary:
         with _folder_of(task), SessionLock.take(task.session.parent):
             if task.film is not None:
                 make_session(task, task.film, send, stop)
-            return _finished(task, _track_missing(task, send, stop), send)
+            summary = _track_missing(task, send, stop)
+            if not summary.is_done:
+                return replace(summary, notes=_notes_of(task))
+            return _finished(task, summary, send, stop)
     except Cancelled:
         return Summary(name, "interrupted", notes=_notes_of(task))
     except LockedElsewhere as held:
@@ -173,15 +187,18 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     return _summary(task, found)
 
 
-def _finished(task: Task, summary: Summary, send: SendStep) -> Summary:
+def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summary:
     """The summary of a session that is tracked: stood on the floor and exported, as was asked for,
-    and with what is to be reviewed of a film that nobody has looked at."""
-    if not summary.is_done:
-        return summary
+    and with what is to be reviewed of a film that nobody has looked at. Cancelled once `stop` is
+    set."""
     if task.film is not None and is_made_here(task.session):
-        summary = _reviewed(task, summary, _stood_words(task, send))
+        add_notes(task.session, _stood_words(task, send, stop))
+        summary = _reviewed(task, summary)
+    elif task.film is not None:
+        summary = replace(summary, notes=(BY_HAND,))
     if task.export is None:
         return summary
+    _leave_when(stop)
     send(Step(0, stage="export"))
     try:
         return replace(summary, exported=export_motion(task.session, task.export))
@@ -189,15 +206,24 @@ def _finished(task: Task, summary: Summary, send: SendStep) -> Summary:
         return replace(summary, state="failed", words=str(error))
 
 
-def _stood_words(task: Task, send: SendStep) -> tuple[str, ...]:
+def _leave_when(stop: Event) -> None:
+    if stop.is_set():
+        raise Cancelled
+
+
+def _stood_words(task: Task, send: SendStep, stop: Event) -> tuple[str, ...]:
     """Stand the motion on its floor, unless it does or is not to; what that changed, or why it
     cannot be."""
     session = load_session(task.session)
-    if not task.stand or session.world.floor_m is not None:
+    if session.world.floor_m is not None:
+        return () if task.stand else (STANDS_ALREADY,)
+    if not task.stand:
         return ()
+    _leave_when(stop)
     send(Step(0, stage="stand"))
+    results = load_results(session, task.session)
     try:
-        done, results = stood(session, task.session, load_results(session, task.session))
+        done, results = stood(session, task.session, results, stop.is_set)
     except SessionError as error:
         return (f"Not stood on the floor: {error}",)
     save_session(save_results(done.session, task.session, results), task.session)
@@ -205,7 +231,7 @@ def _stood_words(task: Task, send: SendStep) -> tuple[str, ...]:
     return standing_words(done), *([] if soles is None else [soles_words(soles)])
 
 
-def _reviewed(task: Task, summary: Summary, stood_words: tuple[str, ...]) -> Summary:
+def _reviewed(task: Task, summary: Summary) -> Summary:
     """The summary with what was decided and where to look, the worst first."""
     session = load_session(task.session)
     review = review_of(session, load_results(session, task.session))
@@ -216,7 +242,7 @@ def _reviewed(task: Task, summary: Summary, stood_words: tuple[str, ...]) -> Sum
     picture = task.session.with_name(PICTURE)
     return replace(
         summary,
-        notes=(*_notes_of(task), *stood_words),
+        notes=_notes_of(task),
         places=places,
         person=str(picture) if picture.is_file() else None,
     )

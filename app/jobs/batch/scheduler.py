@@ -97,8 +97,11 @@ class _Scheduler:
         elif self.tries[number] < TRIES and not stop.is_set():
             self.waiting.insert(0, number)
         else:
-            yield TaskFinished(number, self._failed_summary(number, what))
+            yield TaskFinished(number, self._ended_summary(number, what, stop))
 
-    def _failed_summary(self, number: int, died: WorkerDied) -> Summary:
+    def _ended_summary(self, number: int, died: WorkerDied, stop: Event) -> Summary:
+        name = str(self.tasks[number].session)
+        if stop.is_set():  # its worker was ended with the rest
+            return Summary(name, "interrupted")
         twice = ", twice" if self.tries[number] > 1 else ""
-        return Summary(str(self.tasks[number].session), "failed", f"{died.words}{twice}.")
+        return Summary(name, "failed", f"{died.words}{twice}.")

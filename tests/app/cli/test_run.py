@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -22,6 +23,7 @@ from keypose.app.orders.film import FilmOrder, FilmToDraft
 from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.body.modify import height
 from keypose.tracker.keypoints import find_people
+from keypose.tracker.session.annotations import DraftRest, FrameRun
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
 from tests.app.cli_cases import refused
@@ -82,7 +84,7 @@ def test_a_film_becomes_a_motion_on_its_floor_and_files_from_an_empty_folder(
     assert "jump: looking for the person" in err
     assert "jump: standing on the floor" in err
     report = Path("motion/batch-report.html").read_text("utf-8")
-    assert "The person that was found" in report
+    assert "The person who was drafted" in report
     assert "Soles within" in report
 
 
@@ -157,7 +159,7 @@ def test_what_was_interrupted_goes_on_and_comes_out_as_if_it_had_not_been(
     kept = run_task(task(film, again, **named), lambda step: None, Event())
     assert kept.state == "kept"
     assert again.read_bytes() == whole.read_bytes()
-    assert kept.notes == done.notes[: len(kept.notes)]
+    assert kept.notes == done.notes
 
 
 def test_a_film_that_fails_ends_with_its_reason_and_the_others_go_on(
@@ -267,6 +269,54 @@ def test_other_options_for_a_session_that_is_there_are_refused_unless_it_is_begu
     assert run_task(Task(path, order, film=other, anew=True), lambda step: None, nothing).is_done
     assert load_session(path).subject.keyframes[-1].frame == 9
     assert path.with_name("session.json.previous").is_file()
+
+
+def made(film: Path, path: Path, **how: Any) -> None:
+    """A session of nine frames, by a run that nobody interrupted."""
+    short = FilmToDraft(film, FilmOrder(box=BOX, frames=(0, 8)))
+    order = TrackOrder(quality="preview")
+    assert run_task(Task(path, order, film=short, **how), lambda step: None, Event()).is_done
+
+
+def test_what_a_person_posed_is_not_drafted_over(film: Path, tmp_path: Path) -> None:
+    path = tmp_path / "jump.keypose" / "session.json"
+    made(film, path)
+    session = load_session(path)
+    assert session.subject.drafted is not None
+    first = session.subject.keyframes[0].model_copy(update={"root_m": (0.5, 0.0, 4.0)})
+    left = DraftRest(frame=0, box=BOX, frames=(FrameRun(first_frame=5, last_frame=8),))
+    drafted = session.subject.drafted.model_copy(update={"rest": left})
+    keyframes = (first, *session.subject.keyframes[1:])
+    save_session(session.changed({"keyframes": keyframes, "drafted": drafted}), path)
+    made(film, path)
+    assert load_session(path).subject.keyframes == keyframes
+
+
+def test_a_run_that_begins_anew_keeps_what_was_there_and_does_so_also_when_it_is_interrupted(
+    film: Path, tmp_path: Path
+) -> None:
+    path = begun_by_hand(film, tmp_path)
+    path.with_name("journal.jsonl").write_text("{}")
+    before, stop = path.read_bytes(), Event()
+    stop.set()
+    named = FilmToDraft(film, FilmOrder(frames=(0, 8)))
+    anew = Task(path, TrackOrder(quality="preview"), film=named, anew=True)
+    assert run_task(anew, lambda step: None, stop).state == "interrupted"
+    (aside,) = path.parent.glob("session.theirs-*.json")
+    assert aside.read_bytes() == before
+    assert not path.with_name("journal.jsonl").exists()
+    made(film, path)
+    assert load_session(path).subject.keyframes
+
+
+def test_what_was_decided_is_said_again_by_the_next_run(film: Path, tmp_path: Path) -> None:
+    path = tmp_path / "jump.keypose" / "session.json"
+    said = [run_task(task(film, path, box=BOX), lambda step: None, Event()) for _ in range(2)]
+    assert said[0].notes == said[1].notes
+    assert any("Soles within" in words for words in said[1].notes)
+    left = replace(task(film, path, box=BOX), stand=False)
+    notes = run_task(left, lambda step: None, Event()).notes
+    assert notes[-1] == "It was stood on the floor before, and stays so."
 
 
 RECORDS = {

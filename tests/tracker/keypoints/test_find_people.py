@@ -80,6 +80,10 @@ FILMS = {
     "one, and somebody much smaller": (
         {3: [TALL, CHILD]}, PeopleInFilm(3, (TALL,), {3: (CHILD,)})
     ),
+    "one, and a passer-by who is surer where they are alone": (
+        {3: [TALL], 9: [person(200, 80, 0.95)]},
+        PeopleInFilm(3, (TALL,), {9: (person(200, 80, 0.95),)}),
+    ),
     "nobody": ({3: [], 9: []}, None),
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from keypose.app.jobs.batch.films import films_in, placed, read_table
 from keypose.app.orders import film as orders
 from keypose.app.orders.film import FilmOrder, FilmToDraft
 from keypose.tracker.body import body
-from keypose.tracker.errors import FormatError, KeyposeError
+from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 
 
 def table(folder: Path, *rows: str, name: str = "films.csv") -> Path:
@@ -49,7 +49,10 @@ def test_what_is_empty_in_a_table_is_left_out(tmp_path: Path) -> None:
 
 WRONG = {
     "no film column": (("video,box", "a.mp4,"), "has no column 'film'"),
-    "an unknown column": (("film,size", "a.mp4,3"), "has a column 'size'; known are film, box"),
+    "an unknown column": (
+        ("film,size", "a.mp4,3"),
+        "has a column 'size'; known are film, name, box",
+    ),
     "a column twice": (("film,box,box", "a.mp4,,"), "has a column twice"),
     "a row without a film": (("film,box", ",3"), "films.csv, row 2: the film is missing"),
     "a wrong box": (
@@ -63,6 +66,9 @@ WRONG = {
     ),
     "nothing": ((), "is empty"),
     "a header alone": (("film,box",), "names no film"),
+    "a comma too many": (("film,height", "a.mp4,170,5"), "row 2, has more values than there are"),
+    "a name that leads elsewhere": (("film,name", "a.mp4,../b"), "cannot be the name of a folder"),
+    "a hidden name": (("film,name", "a.mp4,.b"), "cannot be the name of a folder"),
     "quotes that never end": (("film,box", 'a.mp4,"1,2'), "is no table"),
 }
 
@@ -115,6 +121,21 @@ def test_each_film_has_a_session_of_its_own_whatever_it_is_called(tmp_path: Path
     assert [row.name for row in rows] == ["one/jump", "two/jump", "two/jump.mov", "swing"]
     (beside,) = placed([FilmToDraft(films[0])], None)
     assert beside.session == tmp_path / "one" / "jump.keypose" / "session.json"
+
+
+def test_several_people_of_one_film_have_sessions_by_their_names(tmp_path: Path) -> None:
+    touch(tmp_path, "dance.mp4")
+    rows = ("film,name,box", 'dance.mp4,Ann,"1,2,30,40"', 'dance.mp4,Bo,"5,2,30,40"', "dance.mp4,,")
+    placed_films = placed(read_table(table(tmp_path, *rows)), tmp_path / "out")
+    assert [row.name for row in placed_films] == ["Ann", "Bo", "dance"]
+    unnamed = [FilmToDraft(tmp_path / "dance.mp4")] * 3
+    with pytest.raises(SessionError, match="give each a name of its own"):
+        placed(unnamed, tmp_path / "out")
+
+
+def test_a_table_is_no_film(tmp_path: Path) -> None:
+    with pytest.raises(SessionError, match="is a table: `keypose batch"):
+        films_in([table(tmp_path, "film", "a.mp4")])
 
 
 def test_bodies_that_may_be_named_are_those_of_people() -> None:

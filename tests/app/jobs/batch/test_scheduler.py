@@ -101,7 +101,7 @@ def test_once_stopped_nothing_is_begun_and_what_is_at_work_may_end() -> None:
     assert ended(reported) == {0: halfway}
 
 
-def test_a_worker_that_dies_while_all_is_stopped_is_not_replaced() -> None:
+def test_a_worker_that_dies_while_all_is_stopped_is_not_replaced_and_no_failure() -> None:
     stop = Event()
     script = Script(1, {0: [Step(10), WorkerDied("Gone")]})
     reported = []
@@ -109,4 +109,4 @@ def test_a_worker_that_dies_while_all_is_stopped_is_not_replaced() -> None:
         reported.append(event)
         if isinstance(event, TaskProgressed):
             stop.set()
-    assert ended(reported)[0].state == "failed"
+    assert ended(reported)[0].state == "interrupted"
