@@ -188,7 +188,7 @@ def _of_columns(
         except FormatError:
             continue  # it cannot be meant so
         if read.way is not None and len(read.way.frames) == len(found.way.frames):
-            way = replace(read.way, frames=found.way.frames, clock="film")
+            way = replace(read.way, frames=found.way.frames, clock="frames")
             yield kind, value, _Said(read.camera or session.view.camera, way)
 
 

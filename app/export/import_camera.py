@@ -188,7 +188,7 @@ def _first_of_film(way: CameraWay | None) -> int:
 def _of_film(way: CameraWay, frame_count: int, file: str) -> CameraWay:
     """The way in frames of the film; of a film of which only their number is known, as its file
     counts them. FormatError where none lies in it."""
-    if way.clock == "film" and (way.frames < frame_count).any() and (way.frames >= 0).any():
+    if way.clock == "frames" and (way.frames < frame_count).any() and (way.frames >= 0).any():
         return way
     return placed(file, way, FilmFrames(np.arange(frame_count, dtype=float)))[0]
 

@@ -121,7 +121,7 @@ def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
     assert (segment["first"], segment["last"], segment["state"]) == (0, 18, "good")
     until(lambda: page.locator("#mhead").inner_text().endswith("Good"), "the verdict")
     page.locator(".sug", has_text="All good").wait_for()
-    assert "Fit" in page.locator("#top .btn.pri").first.inner_text()
+    assert "All fitted" in page.locator("#top .btn.pri").first.inner_text()
     page.locator("#insp [role=tab]").last.click()
     settled(page)
     reported = page.locator("#insp").inner_text()

@@ -60,8 +60,8 @@ test('keyframes that pins contradict by more than is seen are softened together'
   server.space = [{ ...found, go: 50, cm: 36, keyframes: [0, 50] }, { ...found, go: 24, cm: 2, keyframes: [24] }];
   assert.deepEqual(pins.contradicted(), [0, 50]);
   assert.equal(whyNot('softKeys'), '');
-  assert.equal(labelOf('softKeys'), 'Make 2 keyframes approximate');
-  assert.equal(labelOf('softKeys', [24]), 'Make the keyframe approximate');
+  assert.equal(labelOf('softKeys'), 'Relax 2 keyframes');
+  assert.equal(labelOf('softKeys', [24]), 'Relax the keyframe');
   server.space = [];
 });
 

@@ -198,6 +198,11 @@ class Tracker:
         if self._steady is not None:
             rows = slice(motion.first_frame, motion.last_frame + 1)
             motion = motion.carried(self._steady.Ts_camera_steady[rows])
+        given = {
+            frame: pose for frame, pose in given.items() if not _are_equal(motion.pose(frame), pose)
+        }
+        if not given:
+            return motion
         R, t = motion.writable()
         for frame, pose in given.items():
             row = frame - motion.first_frame
@@ -399,6 +404,12 @@ class Tracker:
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         persons = self._people is not None and is_persons(self.skeleton.body)
         return wanted and (self._prepared.shows_background or persons)
+
+
+def _are_equal(one: Pose, other: Pose) -> bool:
+    """Whether two poses have the same numbers."""
+    same = np.array_equal(one.Rs_parent_part, other.Rs_parent_part)
+    return same and np.array_equal(one.p_camera_root, other.p_camera_root)
 
 
 def _meets(one: Pose, other: Pose) -> bool:

@@ -126,7 +126,7 @@ export const PINS = {
   },
   softKeys: {
     also: 'soft soften contradict pin jerk keyframes',
-    label: (keyframes = contradicted()) => `Make ${keyframes.length === 1 ? 'the keyframe' : `${keyframes.length} keyframes`} approximate`, icon: 'key',
+    label: (keyframes = contradicted()) => `Relax ${keyframes.length === 1 ? 'the keyframe' : `${keyframes.length} keyframes`}`, icon: 'key',
     title: 'Keyframes that pins contradict give way in depth to pins and smoothness',
     off: (keyframes = contradicted()) => (keyframes.length ? '' : 'No pin contradicts a keyframe'),
     message: (keyframes = contradicted()) => ({ do: 'soften_keys', frames: keyframes }),

@@ -171,7 +171,7 @@ def test_lines_of_a_file_are_frames_of_the_film_and_what_was_assumed_is_told(
     said: CameraWay, film: FilmFrames, offset: int | None, frames: range, why: str
 ) -> None:
     found, notes = placed("shot.chan", said, film, offset)
-    assert found.clock == "film"
+    assert found.clock == "frames"
     assert found.frames.tolist() == list(frames)
     assert [note.values[0] for note in notes] == ([why] if why else [])
 

@@ -85,7 +85,9 @@ def test_events_give_the_work_of_every_segment_in_its_order(person: Case) -> Non
         reported = [p for p in passes if isinstance(p, PassFinished)]
         assert tuple(p.score for p in reported) == result.scores
         assert all(len(passes) <= p.of for p in reported)
-        assert reported[result.best_pass].trajectory is result.trajectory
+        best = reported[result.best_pass].trajectory
+        np.testing.assert_array_equal(best.Rs_parent_part, result.trajectory.Rs_parent_part)
+        np.testing.assert_array_equal(best.ps_camera_root, result.trajectory.ps_camera_root)
         assert events[-1].result.segments[index] is result
 
 

@@ -46,7 +46,7 @@ LENS_COLUMNS: Final[tuple[LensColumn, ...]] = get_args(LensColumn)
 focal length in millimetres of a film 36 mm wide; or nothing that counts, the lens staying as it
 is."""
 CameraWorld: TypeAlias = Literal["y up", "z up"]
-FrameClock: TypeAlias = Literal["numbers", "names", "film", "seconds"]
+FrameClock: TypeAlias = Literal["numbers", "names", "frames", "seconds"]
 
 _Z_UP_TO_Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
@@ -76,7 +76,7 @@ class CameraWay:
     camera's.
 
     clock: `numbers` of frames, as the shoot or the program counts them; `names`, numbers in the
-    names of pictures; `film`, frames of the film; or `seconds`.
+    names of pictures; `frames` of the film; or `seconds`.
     begins: the film's frame of the first moment, where the file knows it.
     is_metric: whether the unit of length is known.
     """

@@ -68,14 +68,14 @@ def _way(file: str, fields: _CameraFields, camera: Camera) -> CameraWay:
     """In frames of the film, the first of them, which all else in the file is of, before the rest;
     or in seconds, where the motion has a rate of its own."""
     first = CameraWay(
-        np.zeros(1, np.int64), np.array(fields.T_world_camera)[None], np.ones(1), "film"
+        np.zeros(1, np.int64), np.array(fields.T_world_camera)[None], np.ones(1), "frames"
     )
     if not fields.frames:
         return first
     frames = np.array([each.frame for each in fields.frames], dtype=np.int64)
     Ts = np.array([each.T_world_camera for each in fields.frames])
     zoom = np.array([each.fy for each in fields.frames]) / camera.fy
-    way = ascending(file, _timed(file, fields, CameraWay(frames, Ts, zoom, "film")))
+    way = ascending(file, _timed(file, fields, CameraWay(frames, Ts, zoom, "frames")))
     if way.clock == "seconds" or way.frames[0] <= 0:
         return way
     return replace(

@@ -77,7 +77,7 @@ def _frames(way: CameraWay, film: FilmFrames, offset: int | None) -> tuple[Array
             return film.at(way.frames - way.frames[0] + film.second(way.begins)), ""
         return film.at(way.frames + film.second(offset or 0)), "times" if offset is None else ""
     numbers = way.frames.astype(float)
-    if offset is not None or way.clock == "film":
+    if offset is not None or way.clock == "frames":
         return numbers + (offset or 0), ""
     return _by_numbers(way, film)
 
@@ -124,4 +124,4 @@ def _on_frames(way: CameraWay, frames: Array, count: int) -> CameraWay:
 
 
 def _film_way(way: CameraWay, frames: NDArray[Any], Ts: Array, zoom: Array) -> CameraWay:
-    return replace(way, frames=frames, Ts_world_camera=Ts, zoom=zoom, clock="film", begins=None)
+    return replace(way, frames=frames, Ts_world_camera=Ts, zoom=zoom, clock="frames", begins=None)
