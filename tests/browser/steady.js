@@ -16,6 +16,7 @@ async () => {
     toasts.forEach(toast);
     state.applySections(sections);
     await drawn();
+    await drawn(); // what gives way to what was drawn
   };
 
   const point = (kind, target, [clientX, clientY], buttons) =>
