@@ -9,12 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from keypose.app.cli.arguments import order_of
-from keypose.app.cli.many import asked_of, motion_order_of, require_free, run_tasks, workers_of
+from keypose.app.cli.many import asked_of, export_for, motion_order_of, run_tasks, workers_of
 from keypose.app.jobs.batch.films import is_table, placed, read_table
 from keypose.app.jobs.batch.finding import common_folder, find_sessions, name_of
 from keypose.app.jobs.batch.journal import Journal
-from keypose.app.jobs.batch.make_session import is_made_here
-from keypose.app.jobs.batch.run_one import export_of
 from keypose.app.jobs.batch.task import Task
 from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.errors import SessionError
@@ -23,7 +21,7 @@ from keypose.tracker.errors import SessionError
 def run(arguments: argparse.Namespace) -> int:
     if arguments.scheduler is not None and arguments.workers is not None:
         raise SessionError("--workers is for this computer: a cluster has its own workers.")
-    motion_order_of(arguments)
+    order = motion_order_of(arguments)
     out = None if arguments.out is None else arguments.out.absolute()
     named = _named(arguments.paths, out)
     folder = common_folder([task.session for _, task in named])
@@ -31,7 +29,13 @@ def run(arguments: argparse.Namespace) -> int:
     asked["paths"] = sorted({os.path.realpath(path) for path in arguments.paths})
 
     def tasks_of(journal: Journal) -> list[Task]:
-        return [_task(task, folder, out, arguments, journal, len(named)) for _, task in named]
+        return [
+            replace(
+                _task(task, arguments, journal, len(named)),
+                export=export_for(task, folder, out, order, arguments, journal),
+            )
+            for _, task in named
+        ]
 
     return run_tasks(tasks_of, [name for name, _ in named], out or folder, asked, arguments)
 
@@ -50,23 +54,12 @@ def _named(paths: Sequence[Path], out: Path | None) -> list[tuple[str, Task]]:
     return named + [(row.name, Task(row.session, film=row.film, stand=True)) for row in rows]
 
 
-def _task(
-    task: Task, folder: Path, out: Path | None, arguments: argparse.Namespace, journal: Journal,
-    count: int,
-) -> Task:  # fmt: skip
-    """What is to be done with a session; FormatError where a file is in the way."""
-    export, of_film = None, task.film is not None
-    if arguments.export:
-        place = None if of_film else out  # a film's session lies there itself
-        order = motion_order_of(arguments)
-        export = export_of(task.session, folder, place, arguments.export, order)
-        if not (of_film and is_made_here(task.session)):  # exported by an earlier one of these
-            require_free(export, task.session, arguments, journal)
+def _task(task: Task, arguments: argparse.Namespace, journal: Journal, count: int) -> Task:
+    """How a session is tracked, one of `count`."""
     done = str(task.session) in journal.done
     return replace(
         task,
         order=order_of(TrackOrder, arguments),
-        missing_only=arguments.only is not None or done or of_film,
-        export=export,
+        missing_only=arguments.only is not None or done or task.film is not None,
         threads=1 if arguments.scheduler else max(1, workers_of(arguments) // count),
     )

@@ -21,9 +21,10 @@ from keypose.app.export.motion_formats import require_meant
 from keypose.app.jobs.batch import scheduler
 from keypose.app.jobs.batch.cluster import ClusterPool
 from keypose.app.jobs.batch.journal import Journal
+from keypose.app.jobs.batch.make_session import is_made_here
 from keypose.app.jobs.batch.pool import LocalPool, WorkerPool
 from keypose.app.jobs.batch.report import NAME, Entry, batch_html, is_report
-from keypose.app.jobs.batch.run_one import places
+from keypose.app.jobs.batch.run_one import export_of, places
 from keypose.app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskStarted
 from keypose.app.jobs.batch.task import Export, Summary, Task
 from keypose.app.orders.motion import MotionOrder
@@ -87,12 +88,27 @@ def asked_of(arguments: argparse.Namespace, *names: str) -> dict[str, Any]:
     return asked | {name: str(value) for name, value in exports.items() if value}
 
 
-def require_free(
-    export: Export | None, session: Path, arguments: argparse.Namespace, journal: Journal
-) -> None:
-    """FormatError where a file to export is there and not this run's."""
-    if export is not None and not arguments.overwrite and str(session) not in journal.begun:
+def export_for(
+    task: Task,
+    folder: Path,
+    out: Path | None,
+    order: MotionOrder,
+    arguments: argparse.Namespace,
+    journal: Journal,
+) -> Export | None:
+    """The files of a session's motion to write, a film's beside its session; None where none are
+    asked for. FormatError where a file is in the way that no earlier run of the same wrote.
+
+    folder, out: of all sessions, and the place below which files go; None: beside each.
+    """
+    if not arguments.export:
+        return None
+    of_film = task.film is not None
+    export = export_of(task.session, folder, None if of_film else out, arguments.export, order)
+    is_ours = str(task.session) in journal.begun or (of_film and is_made_here(task.session))
+    if not (arguments.overwrite or is_ours):
         require_absent(places(export))
+    return export
 
 
 def _report(batch: _Batch, place: Path, seconds: float) -> Path | None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import replace
 
 from keypose.app.cli.arguments import film_orders_of, order_of
-from keypose.app.cli.many import asked_of, motion_order_of, require_free, run_tasks, workers_of
+from keypose.app.cli.many import asked_of, export_for, motion_order_of, run_tasks, workers_of
 from keypose.app.jobs.batch.films import PlacedFilm, films_in, placed
 from keypose.app.jobs.batch.journal import Journal
-from keypose.app.jobs.batch.make_session import is_made_here
-from keypose.app.jobs.batch.run_one import export_of
 from keypose.app.jobs.batch.task import Task
 from keypose.app.orders.film import FilmOrder, FilmToDraft
 from keypose.app.orders.order import options_of
@@ -30,22 +29,16 @@ def run(arguments: argparse.Namespace) -> int:
     rows = placed(films, out)
 
     def task_of(row: PlacedFilm, journal: Journal) -> Task:
-        begun = str(row.session) in journal.begun
-        export = None
-        if arguments.export:
-            export = export_of(row.session, out, None, arguments.export, order)
-            if not is_made_here(row.session):  # what an earlier run exported is this one's
-                require_free(export, row.session, arguments, journal)
-        return Task(
+        task = Task(
             row.session,
             order_of(TrackOrder, arguments),
             missing_only=True,
-            export=export,
             threads=max(1, workers_of(arguments) // len(rows)),
             film=row.film,
-            anew=arguments.overwrite and not begun,
+            anew=arguments.overwrite and str(row.session) not in journal.begun,
             stand=arguments.stand is not False,
         )
+        return replace(task, export=export_for(task, out, None, order, arguments, journal))
 
     asked = asked_of(arguments, "stand", "overwrite")
     asked["films"] = sorted(os.path.realpath(film.path) for film in films)

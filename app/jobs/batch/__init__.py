@@ -1,1 +1,1 @@
-"""Track many saved sessions anew, without a page."""
+"""Track many saved sessions, or make them of films, without a page."""
