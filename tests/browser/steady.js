@@ -2,7 +2,6 @@
 async () => {
   const state = await window.keypose.module('store/state.js');
   const { toast } = await window.keypose.module('controls/toasts.js');
-  const { gripsIn } = await window.keypose.module('handles/grips.js');
   const { isReady } = await window.keypose.module('handles/targets.js');
   const CONTROLS = 'button, input, [role=slider], [role=option], number-field';
   const EDGE = 8; // the lines between the views, which are dragged
@@ -36,14 +35,18 @@ async () => {
     return width && hit && element.contains(hit) ? [[x, y]] : [];
   });
 
-  /** What takes the press of a handle. */
+  /**
+   * What takes the press of a handle that is drawn. A control that is pressed may have changed the pose,
+   * and the server's answer is known before it is drawn, with the holes for it.
+   */
   const covered = () => ['main', 'top', 'side', 'front', 'free'].map(window.keypose.view).filter(isReady).flatMap((view) => {
     const { left, top, right, bottom } = view.over.getBoundingClientRect();
-    return gripsIn(view).flatMap(({ key, at }) => {
-      const [x, y] = [left + at[0], top + at[1]];
+    return [...view.over.querySelectorAll('[data-grip]')].flatMap((grip) => {
+      const box = grip.getBoundingClientRect();
+      const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
       if (x < left + EDGE || x > right - EDGE || y < top + EDGE || y > bottom - EDGE) return [];
       const hit = document.elementFromPoint(x, y);
-      return !hit || view.over.contains(hit) ? [] : [`${key} of ${view.name} lies under ${said(hit)}`];
+      return !hit || view.over.contains(hit) ? [] : [`${grip.dataset.grip} of ${view.name} lies under ${said(hit)}`];
     });
   });
 
