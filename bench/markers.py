@@ -1,0 +1,298 @@
+"""Motion in space against markers: films that nobody posed, beside what rivals found of them.
+
+Each film is turned into motion by `keypose run`, from boxes disturbed by 2 % of their height, and
+then stood on its floor. The truth of the phone's films are joint centres of OpenSim's model, fitted
+to markers; of the man on the beam, joints from four views, good to 15–25 mm. Joints are defined
+otherwise by every maker, so 30–40 mm root-relative is near what can be told at all.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from bench.clips import person_reference
+from bench.keeping import DATA, Absent, data_folder
+from bench.measures import Over
+from bench.table import Expected, Report, Table
+from keypose.app.cli.main import main
+from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import joined
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.results import load_results
+
+SIDES = ("right", "left")
+JOINTS = tuple(
+    f"{side}_{part}"
+    for part in ("thigh", "shin", "foot", "upper_arm", "forearm", "hand")
+    for side in SIDES
+)
+"""Parts, each of which begins at its joint: hip, knee, ankle, shoulder, elbow, wrist."""
+OPENSIM = tuple(
+    f"{bone}_{side}"
+    for bone in ("femur", "tibia", "talus", "humerus", "ulna", "hand")
+    for side in ("r", "l")
+)
+BODY_25 = tuple(
+    f"{side}{joint}"
+    for joint in ("Hip", "Knee", "Ankle", "Shoulder", "Elbow", "Wrist")
+    for side in ("R", "L")
+)
+HIPS, SHOULDERS = (0, 1), (6, 7)
+KNEES = ((0, 2, 4), (1, 3, 5))
+ELBOWS = ((6, 8, 10), (7, 9, 11))
+LATE_S = 0.0165
+"""The phone's films are so much behind the markers, measured against keypoints."""
+PHONE_DEG = 70.05
+"""The phone's own lens, along the longer side."""
+BOXES = 3
+DISTURBED = 0.02
+COLUMNS = (
+    "root-rel mm", "Procrustes", "rigid", "across", "along", "hips deg", "shoulders", "knees",
+    "elbows",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """The most a film's figures should be once it stands."""
+
+    root_relative_mm: float
+    knees_deg: float = 6.0
+    hips_deg: float = 5.0
+    rigid_mm: float = 50.0
+    along_over_across: float = 1.4
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """A film, the person's box in one frame, and where the joints were.
+
+    frames: those that are drafted, all where None.  R_camera_truth: from the axes of the truth to
+    the camera's.  rivals: names of files of what others found.
+    """
+
+    name: str
+    video: Path
+    view_deg: float
+    box: tuple[float, float, float, float]
+    frame: int
+    frames: str | None
+    R_camera_truth: Array
+    times_s: Array
+    p_truth: Array
+    expected: Expectation
+    late_s: float = 0.0
+    rivals: Mapping[str, Path] | None = None
+
+    def at(self, times_s: Array) -> tuple[Array, Array]:
+        """Which of these times the truth has, and its joints then, in the camera's axes."""
+        known = (times_s >= self.times_s[0]) & (times_s <= self.times_s[-1])
+        return known, _at(times_s[known], self.times_s, self.p_truth) @ self.R_camera_truth.T
+
+
+def markers(report: Report) -> None:
+    """The whole group."""
+    report.note("12 joints, the whole clip turned onto the truth about the hips; Procrustes: each")
+    report.note("frame by itself, scaled; rigid: the clip as one, hips and all; across, along: rms")
+    report.note("in the view; hips, shoulders: mean turn of their line in the horizontal, degrees")
+    table = report.table("against markers", *COLUMNS, wide=COLUMNS)
+    for found in (_opencap_walk, _opencap_squat, _person):
+        with contextlib.suppress(Absent):
+            _film(found(), table)
+
+
+def _film(film: Film, table: Table) -> None:
+    for name, path in (film.rivals or {}).items():
+        times_s, p = _opensim(path)
+        known, truth = film.at(times_s)
+        table.row(f"{film.name}, {name}", *(f"{v:.1f}" for v in _figures(p[known], truth)))
+    before, after = [], []
+    for box in _boxes(film):
+        with TemporaryDirectory() as folder:
+            session = _run(film, box, Path(folder))
+            before.append(_measured(film, session))
+            _command("stand", str(session))
+            after.append(_measured(film, session))
+    table.row(f"{film.name}, tracked", *_over(before))
+    stood, most = _over(after), film.expected
+    expected = [
+        Expected("root-relative", stood[0].median, most.root_relative_mm, "mm"),
+        Expected("rigid", stood[2].median, most.rigid_mm, "mm"),
+        Expected("along", stood[4].median, most.along_over_across * stood[3].median, "mm"),
+        Expected("hips", stood[5].median, most.hips_deg, "deg"),
+        Expected("knees", stood[7].median, most.knees_deg, "deg"),
+    ]
+    table.row(f"{film.name}, stood", *stood, expected=expected)
+
+
+def _boxes(film: Film) -> Iterator[tuple[float, ...]]:
+    """The box, and boxes whose edges are disturbed."""
+    rng = np.random.default_rng(0)
+    height = film.box[3] - film.box[1]
+    for n in range(BOXES):
+        edges = np.array(film.box) + (n > 0) * DISTURBED * height * rng.normal(size=4)
+        yield tuple(round(float(edge), 1) for edge in edges)
+
+
+def _run(film: Film, box: Sequence[float], folder: Path) -> Path:
+    """Turn a film into motion that does not stand yet; the session's file."""
+    frames = () if film.frames is None else ("--frames", film.frames)
+    _command(
+        "run", str(film.video), "--out", str(folder), "--box", ",".join(map(str, box)),
+        "--frame", str(film.frame), "--field-of-view", str(film.view_deg), "--stand", "no",
+        *frames,
+    )  # fmt: skip
+    return next(folder.glob("*.keypose")) / "session.json"
+
+
+def _command(*words: str) -> None:
+    """A command, without what it prints."""
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        main(words)
+
+
+def _measured(film: Film, path: Path) -> list[float]:
+    times_s, p_camera = joints_of(path)
+    known, truth = film.at(times_s - film.late_s)
+    return _figures(p_camera[known], truth)
+
+
+def joints_of(path: Path) -> tuple[Array, Array]:
+    """Of a session's motion the seconds (F,) and the twelve joints (F, 12, 3), camera frame."""
+    session = load_session(path)
+    found = load_results(session, path).fitting(session)
+    motion = joined([found[span].trajectory for span in sorted(found)])
+    skeleton = Skeleton.of(session.subject.body)
+    names = joint_names(skeleton)
+    p = motion.joints(skeleton)[:, [names.index(name) for name in JOINTS]]
+    times_s = np.arange(motion.first_frame, motion.last_frame + 1) / session.view.video.fps
+    return times_s, p
+
+
+def _over(figures: Sequence[Sequence[float]]) -> list[Over]:
+    return [Over(tuple(values)) for values in zip(*figures, strict=True)]
+
+
+def _figures(p: Array, truth: Array) -> list[float]:
+    """The figures of a motion, (F, 12, 3) in any axes, beside the truth in the camera's."""
+    about, true = _about_hips(p), _about_hips(truth)
+    turned = _turned_onto(about, true)
+    off = turned - true
+    rigid = _turned_onto(p - p.mean((0, 1)), truth - truth.mean((0, 1))) - truth
+    rigid += truth.mean((0, 1))
+    return [
+        1000 * float(np.linalg.norm(off, axis=-1).mean()),
+        1000 * float(np.mean([_procrustes(a, b) for a, b in zip(p, truth, strict=True)])),
+        1000 * float(np.linalg.norm(rigid, axis=-1).mean()),
+        1000 * float(np.sqrt((off[..., :2] ** 2).sum(-1).mean())),
+        1000 * float(np.sqrt((off[..., 2] ** 2).mean())),
+        _line_deg(turned, true, HIPS),
+        _line_deg(turned, true, SHOULDERS),
+        _bent_deg(p, truth, KNEES),
+        _bent_deg(p, truth, ELBOWS),
+    ]
+
+
+def _about_hips(p: Array) -> Array:
+    return p - p[:, HIPS].mean(axis=1, keepdims=True)
+
+
+def _turned_onto(p: Array, truth: Array) -> Array:
+    """All points, turned by the one rotation that brings them nearest to the truth."""
+    R = Rotation.align_vectors(truth.reshape(-1, 3), p.reshape(-1, 3))[0]
+    return p @ R.as_matrix().T
+
+
+def _procrustes(p: Array, truth: Array) -> float:
+    """Mean metres of one frame after the best rotation, place and scale."""
+    a, b = p - p.mean(axis=0), truth - truth.mean(axis=0)
+    turned = _turned_onto(a, b)
+    scale = float((turned * b).sum() / (turned**2).sum())
+    return float(np.linalg.norm(scale * turned - b, axis=-1).mean())
+
+
+def _line_deg(p: Array, truth: Array, ends: tuple[int, int]) -> float:
+    """Mean degrees between two joints' lines as seen from above, the camera's x and z."""
+    a, b = (q[:, ends[1]] - q[:, ends[0]] for q in (p, truth))
+    turn = np.arctan2(a[:, 2], a[:, 0]) - np.arctan2(b[:, 2], b[:, 0])
+    return float(np.degrees(np.abs((turn + np.pi) % (2 * np.pi) - np.pi)).mean())
+
+
+def _bent_deg(p: Array, truth: Array, joints: Sequence[tuple[int, int, int]]) -> float:
+    """Mean degrees by which these joints are bent more or less than they were."""
+    return float(np.mean([np.abs(_angles_deg(p, *j) - _angles_deg(truth, *j)) for j in joints]))
+
+
+def _angles_deg(p: Array, above: int, joint: int, below: int) -> Array:
+    a, b = p[:, above] - p[:, joint], p[:, below] - p[:, joint]
+    cosine = (a * b).sum(-1) / np.linalg.norm(a, axis=-1) / np.linalg.norm(b, axis=-1)
+    return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _at(times_s: Array, known_s: Array, p: Array) -> Array:
+    """Points (F, J, 3) at other times."""
+    flat = p.reshape(len(p), -1)
+    found = [np.interp(times_s, known_s, values) for values in flat.T]
+    return np.stack(found, axis=-1).reshape(len(times_s), *p.shape[1:])
+
+
+# --- the films
+
+
+def _opencap_walk() -> Film:
+    return _opencap("walk", (360, 550, 626, 1023), 25, None, Expectation(42.0))
+
+
+def _opencap_squat() -> Film:
+    return _opencap("squat", (148, 547, 475, 1130), 269, "0-330", Expectation(55.0))
+
+
+def _opencap(
+    name: str,
+    box: tuple[float, float, float, float],
+    frame: int,
+    frames: str | None,
+    expected: Expectation,
+) -> Film:
+    """A film of one phone with markers; Absent when it is not here."""
+    folder = DATA / "opencap" / name
+    if not folder.is_dir():
+        raise Absent(f"the data folder 'opencap/{name}' beside the checkout")
+    times_s, p = _opensim(folder / "mocap.json")
+    R = np.array(json.loads((folder / "camera_solved.json").read_text())["R_camera_ground"])
+    rivals = {"OpenCap Monocular": folder / "mono.json", "WHAM": folder / "wham.json"}
+    return Film(
+        name, folder / "video.mp4", PHONE_DEG, box, frame, frames, R, times_s, p, expected,
+        LATE_S, rivals,
+    )  # fmt: skip
+
+
+def _opensim(path: Path) -> tuple[Array, Array]:
+    """Seconds (F,) and joints (F, 12, 3), metres, of a motion of OpenSim's model."""
+    motion: dict[str, Any] = json.loads(path.read_text())
+    p = [np.array(motion["bodies"][bone]["translation"]) for bone in OPENSIM]
+    return np.array(motion["time"]), np.stack(p, axis=1)
+
+
+def _person() -> Film:
+    """The man on the balance beam, whom four cameras measured."""
+    folder = data_folder("person")
+    video, camera, names, joints = person_reference(folder)
+    p = joints[:, [names.index(name) for name in BODY_25]]
+    view_deg = 2 * np.degrees(np.arctan(camera.height / 2 / camera.fy))
+    return Film(
+        "person", folder / video, round(float(view_deg), 2), (118, 184, 402, 658), 33, None,
+        np.eye(3), np.arange(len(p)) / 60.0, p, Expectation(60.0),
+    )  # fmt: skip
