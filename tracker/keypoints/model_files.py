@@ -143,6 +143,14 @@ THUNDER: Final = Model(
         outputs=("heat", "reg", "center", "off"),
     ),
 )
+LIFTER: Final = Model(
+    "lifter",
+    "lifter.onnx",
+    "d5018fb9912b30ffe39828e5db141a55de203a902eeadde0d90ff6aad22f877c",
+    5.2,
+    bundled=True,
+)
+"""It looks at keypoints, never at pictures, and cannot be chosen in place of the others."""
 MODELS: Final = (THUNDER, FULL, HEAVY)
 
 

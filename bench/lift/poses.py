@@ -1,0 +1,338 @@
+"""Motions of our own where capture is thin: squats, sitting down, bending, lunges, kneeling, lying.
+
+Feet are planted, legs bend by two links, and the trunk leans so that the body's weight stays over
+the feet; arms do as they like within what joints allow. All values go smoothly from one key to the
+next. Metres, y up, z ahead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from keypose.tracker.geometry.rotations import Array
+
+JOINTS = (
+    "pelvis", "hip_r", "knee_r", "ankle_r", "toe_r", "hip_l", "knee_l", "ankle_l", "toe_l",
+    "chest", "neck", "head", "head_top", "shoulder_r", "elbow_r", "wrist_r",
+    "shoulder_l", "elbow_l", "wrist_l",
+)  # fmt: skip
+"""In the order of the captures."""
+RATE = 30
+"""Frames a second."""
+SECONDS = 12.0
+"""Of a clip."""
+THIGH_M, SHIN_M, TRUNK_M = 0.41, 0.42, 0.48
+"""Trunk: from the middle of the hips to the base of the neck."""
+HIP_M, SHOULDER_M = 0.088, 0.185
+"""From the middle line."""
+UPPER_ARM_M, FOREARM_M, FOOT_M, ANKLE_M = 0.285, 0.235, 0.135, 0.08
+LEG_M = THIGH_M + SHIN_M
+_UPPER_WEIGHT, _UPPER_MIDDLE, _THIGH_WEIGHT = 0.66, 0.6, 0.22
+"""Shares of the body's weight, and how far up the trunk that of trunk, head and arms acts."""
+
+KINDS = ("squat", "sit", "bend", "lunge", "kneel", "lie", "lift a leg", "twist")
+
+
+def own_motions(clips: int, rng: np.random.Generator) -> tuple[Array, Array, list[str]]:
+    """Joints (N, 19, 3) of so many clips, the first frame of each and the end, and their kinds."""
+    kinds = [KINDS[n % len(KINDS)] for n in range(clips)]
+    motions = [_motion(kind, rng) for kind in kinds]
+    starts = np.cumsum([0, *(len(each) for each in motions)])
+    return np.concatenate(motions).astype(np.float32), starts, kinds
+
+
+def _motion(kind: str, rng: np.random.Generator) -> Array:
+    count = int(SECONDS * RATE)
+    style = _style(kind, rng)
+    keys = _key_frames(count, rng, *style.pauses)
+    rows = np.array([style.key(n, rng) for n in range(len(keys))])
+    rows[:, _B] = np.where(np.isnan(rows[:, _B]), _balanced(rows), rows[:, _B])
+    track = smooth(keys, rows, count)
+    arms = smooth(keys, np.array([_arms(row, rng) for row in rows]), count)
+    heads = smooth(keys, rng.normal(0, [0.25, 0.4, 0.15], (len(keys), 3)), count)
+    joints = _body(track, arms.reshape(count, 4, 3), heads, style)
+    if kind == "lie":
+        joints = _lying(joints, count, rng)
+    heading = smooth(_key_frames(count, rng, 2.0, 5.0), None, count, rng.normal)
+    return joints @ np.swapaxes(_about_y(0.3 * heading), -1, -2)
+
+
+_H, _B, _LEAN, _PELVIS, _TWIST, _SIDE, _ACROSS_ROOT, _FOOT_Z, _FOOT_Y, _ROLL = range(10)
+"""Of a row: hips' height above the ankles over the leg's length, how far behind the ankles they
+are (m; NaN: where weight balances), the trunk's lean (rad), its share in the pelvis, the shoulders'
+turn against the hips and their lean to the side (rad), the hips' way to the side, the left foot's
+way ahead and up (m), the pelvis' list (rad)."""
+
+
+class _Style:
+    """What stays through a clip, and how its keys come."""
+
+    def __init__(self, key: Callable[[int, np.random.Generator], list[float]],
+                 rng: np.random.Generator, pauses: tuple[float, float] = (0.5, 1.6),
+                 width: tuple[float, float] = (0.08, 0.28), stride: float = 0.0,
+                 back_heel: float = 0.0) -> None:  # fmt: skip
+        self.key, self.pauses = key, pauses
+        self.half_width = rng.uniform(*width)
+        self.toes_out = rng.uniform(0.0, 0.6, 2)
+        self.knees_out = rng.uniform(-0.1, 0.35, 2) + self.toes_out * 0.8
+        self.stride, self.back_heel = stride, back_heel
+
+
+def _style(kind: str, rng: np.random.Generator) -> _Style:
+    bottom = rng.uniform(0.25, 0.8)
+    lean = rng.uniform(0.2, 1.1)
+
+    def stand(r: np.random.Generator) -> list[float]:
+        return [r.uniform(0.95, 0.998), np.nan, r.normal(0.03, 0.06), 0.6, r.normal(0, 0.12),
+                r.normal(0, 0.05), r.normal(0, 0.02), 0.0, 0.0, r.normal(0, 0.03)]  # fmt: skip
+
+    def squat(n: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        if n % 2:
+            row[_H] = np.clip(bottom + r.normal(0, 0.06), 0.2, 0.95)
+            row[_LEAN] = np.clip(lean + r.normal(0, 0.1), -0.1, 1.4)
+        row[_PELVIS] = r.uniform(0.5, 1.0)
+        return row
+
+    seat, reach = rng.uniform(0.4, 0.68), rng.uniform(0.22, 0.5)
+
+    def sit(n: int, r: np.random.Generator) -> list[float]:
+        row, turn = stand(r), n % 6
+        if turn in (1, 5):
+            row[_H], row[_LEAN] = seat + r.uniform(0.05, 0.2), r.uniform(0.5, 1.0)
+        elif turn in (2, 3, 4):
+            row[_H], row[_B] = seat, reach + r.normal(0, 0.01)
+            row[_LEAN] = r.uniform(-0.45, 0.7 if turn == 3 else 0.2)
+            row[_TWIST], row[_SIDE] = r.normal(0, 0.3), r.normal(0, 0.15)
+        row[_PELVIS] = r.uniform(0.4, 0.9)
+        return row
+
+    def bend(n: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        if n % 2:
+            row[_H], row[_LEAN] = r.uniform(0.72, 0.99), r.uniform(0.5, 2.0)
+            row[_TWIST], row[_SIDE] = r.normal(0, 0.4), r.normal(0, 0.2)
+        row[_PELVIS] = r.uniform(0.35, 0.9)
+        return row
+
+    stride = rng.uniform(0.35, 0.95) * rng.choice([-1, 1])
+
+    def lunge(n: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        row[_H] = r.uniform(0.45, 0.75) if n % 2 else r.uniform(0.75, 0.9)
+        row[_B] = -stride * r.uniform(0.4, 0.65)
+        row[_LEAN] = r.normal(0.15, 0.25)
+        return row
+
+    def kneel(n: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        row[_H] = r.uniform(0.0, 0.45)
+        row[_B] = -r.uniform(0.05, 0.42)
+        row[_LEAN] = r.uniform(-0.1, 1.7 if n % 2 else 0.4)
+        row[_FOOT_Z] = r.uniform(0.0, 0.75) if n % 3 == 0 else 0.0
+        return row
+
+    def lie(_: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        row[_H], row[_B] = r.uniform(0.35, 0.99), r.normal(0, 0.15)
+        row[_LEAN] = r.normal(0.1, 0.3)
+        row[_TWIST], row[_SIDE] = r.normal(0, 0.3), r.normal(0, 0.15)
+        row[_FOOT_Z], row[_FOOT_Y] = r.normal(0.1, 0.2), r.uniform(0, 0.3)
+        return row
+
+    def lift(n: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        row[_ACROSS_ROOT] = -0.09
+        if n % 2:
+            row[_FOOT_Y], row[_FOOT_Z] = r.uniform(0.05, 0.75), r.uniform(-0.35, 0.55)
+            row[_LEAN] = r.normal(0.1, 0.3)
+        row[_ROLL] = r.normal(0, 0.1)
+        return row
+
+    def twist(_: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        row[_H], row[_LEAN] = r.uniform(0.75, 0.98), r.uniform(-0.1, 0.7)
+        row[_TWIST], row[_SIDE] = r.normal(0, 0.65), r.normal(0, 0.2)
+        row[_ACROSS_ROOT] = r.normal(0, 0.07)
+        return row
+
+    table: dict[str, tuple[Callable[..., list[float]], dict[str, object]]] = {
+        "squat": (squat, {}),
+        "sit": (sit, {"pauses": (0.4, 1.3)}),
+        "bend": (bend, {"pauses": (0.5, 1.8)}),
+        "lunge": (lunge, {"stride": stride, "back_heel": 0.12}),
+        "kneel": (kneel, {"pauses": (0.6, 2.0), "back_heel": 0.02}),
+        "lie": (lie, {"pauses": (0.6, 2.5)}),
+        "lift a leg": (lift, {"pauses": (0.3, 1.2)}),
+        "twist": (twist, {"pauses": (0.25, 1.2), "width": (0.12, 0.4)}),
+    }
+    key, how = table[kind]
+    return _Style(key, rng, **how)  # type: ignore[arg-type]
+
+
+def _key_frames(count: int, rng: np.random.Generator, least_s: float, most_s: float) -> Array:
+    gaps = rng.uniform(least_s, most_s, int(count / (least_s * RATE)) + 3) * RATE
+    at = np.cumsum(gaps) - gaps[0] - rng.uniform(0, gaps[0])
+    return at[: np.searchsorted(at, count) + 1]
+
+
+def smooth(
+    keys: Array, rows: Array | None, count: int, draw: Callable[..., Array] | None = None
+) -> Array:
+    """Values (N, ...) that go from key to key with no jerk at either; rows: theirs, or drawn."""
+    if rows is None:
+        assert draw is not None
+        rows = np.cumsum(draw(size=len(keys)))
+    at = np.clip(np.searchsorted(keys, np.arange(count), side="right") - 1, 0, len(keys) - 2)
+    s = np.clip((np.arange(count) - keys[at]) / (keys[at + 1] - keys[at]), 0.0, 1.0)
+    s = (s**3 * (10 - 15 * s + 6 * s**2)).reshape(-1, *[1] * (rows.ndim - 1))
+    return np.asarray(rows[at] * (1 - s) + rows[at + 1] * s)
+
+
+def _balanced(rows: Array) -> Array:
+    """How far the hips are behind the ankles where the weight is over the feet."""
+    ahead = _UPPER_WEIGHT * _UPPER_MIDDLE * TRUNK_M * np.sin(rows[:, _LEAN])
+    back = ahead - 0.04 * (1 - rows[:, _H] * 0.5)
+    knees = _THIGH_WEIGHT * 0.5 * (1 - rows[:, _H]) * THIGH_M
+    return np.asarray(np.clip((back + knees) / (_UPPER_WEIGHT + _THIGH_WEIGHT), -0.25, 0.42))
+
+
+def _arms(row: Array, rng: np.random.Generator) -> Array:
+    """Directions of upper arm and forearm, right then left, (4, 3): out, up, ahead of the trunk."""
+    both = rng.random() < 0.6
+    how, first = rng.integers(6), []
+    lean = row[_LEAN]
+    for _ in range(2):
+        if not both:
+            how = rng.integers(6)
+        if how == 0:  # hanging
+            upper, bend = np.array([0.15, -np.cos(lean), np.sin(lean)]), rng.uniform(0, 0.5)
+        elif how == 1:  # stretched ahead
+            upper, bend = np.array([0.1, rng.normal(-0.1, 0.3), 1.0]), rng.uniform(0, 0.7)
+        elif how == 2:  # hands on hips, thighs or chest
+            upper, bend = np.array([0.5, -1.0, rng.normal(0.0, 0.4)]), rng.uniform(0.6, 2.2)
+        elif how == 3:  # overhead
+            upper, bend = (
+                np.array([rng.uniform(0, 0.6), 1.0, rng.normal(0.1, 0.2)]),
+                rng.uniform(0, 1.2),
+            )
+        elif how == 4:  # aside
+            upper, bend = (
+                np.array([1.0, rng.normal(0, 0.3), rng.normal(0.1, 0.3)]),
+                rng.uniform(0, 1.6),
+            )
+        else:
+            upper, bend = rng.normal([0.3, -0.3, 0.4], 0.7), rng.uniform(0, 2.3)
+        upper = _unit(upper + rng.normal(0, 0.12, 3))
+        towards = np.array([rng.normal(-0.5, 0.5), rng.normal(0.4, 0.6), 0.8])
+        aside = _unit(towards - (towards @ upper) * upper)
+        first += [upper, np.cos(bend) * upper + np.sin(bend) * aside]
+    if both:
+        shake = rng.normal(0, 0.08, (2, 3))
+        first[2:] = [_unit(first[k] + shake[k]) for k in (0, 1)]
+    return np.array(first)
+
+
+def _body(track: Array, arms: Array, heads: Array, style: _Style) -> Array:
+    """Joints (N, 19, 3) of all values."""
+    count = len(track)
+    p = np.zeros((count, len(JOINTS), 3))
+    at = {name: n for n, name in enumerate(JOINTS)}
+    height = track[:, _H] * LEG_M
+    pelvis = np.column_stack([track[:, _ACROSS_ROOT], ANKLE_M + height, -track[:, _B]])
+    lean, share = track[:, _LEAN], track[:, _PELVIS]
+    R_pelvis = _about_z(track[:, _ROLL]) @ _about_x(lean * share)
+    R_chest = _about_x(lean) @ _about_z(track[:, _SIDE]) @ _about_y(track[:, _TWIST])
+    half = _about_x(lean * (0.4 + 0.6 * share)) @ _about_z(track[:, _SIDE] * 0.5)
+    p[:, 0] = pelvis
+    p[:, at["chest"]] = pelvis + _turned(half, (0, 0.62 * TRUNK_M, 0))
+    p[:, at["neck"]] = p[:, at["chest"]] + _turned(R_chest, (0, 0.38 * TRUNK_M, 0))
+    R_head = (
+        R_chest @ _about_x(heads[:, 0] - 0.5 * lean) @ _about_y(heads[:, 1]) @ _about_z(heads[:, 2])
+    )
+    p[:, at["head"]] = p[:, at["neck"]] + _turned(R_head, (0, 0.17, 0.02))
+    p[:, at["head_top"]] = p[:, at["neck"]] + _turned(R_head, (0, 0.27, 0.02))
+    # x is to the body's left: facing z, y up
+    for sign, side, arm in ((-1, "r", 0), (1, "l", 2)):
+        shoulder = p[:, at["neck"]] + _turned(R_chest, (sign * SHOULDER_M, -0.02, 0))
+        out = arms[:, arm : arm + 2] * [sign, 1, 1]
+        out = out / np.linalg.norm(out, axis=2, keepdims=True)
+        elbow = shoulder + UPPER_ARM_M * np.einsum("nij,nj->ni", R_chest, out[:, 0])
+        wrist = elbow + FOREARM_M * np.einsum("nij,nj->ni", R_chest, out[:, 1])
+        for name, value in (("shoulder", shoulder), ("elbow", elbow), ("wrist", wrist)):
+            p[:, at[f"{name}_{side}"]] = value
+        left = sign > 0
+        hip = pelvis + _turned(R_pelvis, (sign * HIP_M, 0, 0))
+        ahead = (style.stride if left else 0.0) + (track[:, _FOOT_Z] if left else 0.0)
+        lifted = track[:, _FOOT_Y] if left else np.zeros(count)
+        back = (style.stride > 0) != left
+        heel = style.back_heel if back and style.back_heel else 0.0
+        ankle = np.column_stack([
+            np.full(count, sign * style.half_width), ANKLE_M + heel + lifted,
+            np.zeros(count) + ahead,
+        ])  # fmt: skip
+        turn = sign * style.toes_out[int(left)]
+        knee, ankle = _two_links(hip, ankle, sign * style.knees_out[int(left)])
+        p[:, at[f"hip_{side}"]], p[:, at[f"knee_{side}"]] = hip, knee
+        p[:, at[f"ankle_{side}"]] = ankle
+        drop = 0.06 + 0.7 * heel
+        way = np.array([np.sin(turn) * FOOT_M, -drop, np.cos(turn) * FOOT_M])
+        p[:, at[f"toe_{side}"]] = ankle + way * FOOT_M / np.linalg.norm(way)
+    return p
+
+
+def _two_links(hip: Array, ankle: Array, out: float) -> tuple[Array, Array]:
+    """Knees of legs between hips and ankles (N, 3), bent towards ahead and outward; ankles beyond
+    reach come nearer."""
+    way = ankle - hip
+    length = np.linalg.norm(way, axis=1, keepdims=True)
+    reach = np.clip(length, 0.18, 0.999 * LEG_M)
+    along = way / length
+    ankle = hip + along * reach
+    toward = np.array([np.sin(out), 0.35, np.cos(out)])
+    bend = toward - (along @ toward)[:, None] * along
+    bend /= np.maximum(np.linalg.norm(bend, axis=1, keepdims=True), 1e-6)
+    cosine = (THIGH_M**2 + reach**2 - SHIN_M**2) / (2 * THIGH_M * reach)
+    cosine = np.clip(cosine, -1.0, 1.0)
+    return hip + THIGH_M * (cosine * along + np.sqrt(1 - cosine**2) * bend), ankle
+
+
+def _lying(joints: Array, count: int, rng: np.random.Generator) -> Array:
+    """The same body on its back, its belly or a side, or rolling from one to another."""
+    keys = _key_frames(count, rng, 1.5, 4.0)
+    roll = smooth(keys, rng.integers(0, 4) * np.pi / 2 + rng.normal(0, 0.5, len(keys)), count)
+    pitch = -np.pi / 2 + smooth(keys, rng.normal(0, 0.2, len(keys)), count)
+    R = _about_x(pitch) @ _about_y(roll)
+    return np.asarray((joints - joints[:, :1]) @ np.swapaxes(R, -1, -2))
+
+
+def _unit(v: Array) -> Array:
+    return np.asarray(v / np.linalg.norm(v))
+
+
+def _turned(R: Array, v: tuple[float, float, float]) -> Array:
+    return np.asarray(R @ np.array(v, dtype=float))
+
+
+def _about(angle: Array, first: int, second: int) -> Array:
+    R = np.zeros((len(angle), 3, 3))
+    R[:, range(3), range(3)] = 1.0
+    c, s = np.cos(angle), np.sin(angle)
+    R[:, first, first], R[:, second, second] = c, c
+    R[:, first, second], R[:, second, first] = -s, s
+    return R
+
+
+def _about_x(angle: Array) -> Array:
+    """y towards z: positive leans ahead."""
+    return _about(angle, 1, 2)
+
+
+def _about_y(angle: Array) -> Array:
+    return _about(angle, 2, 0)
+
+
+def _about_z(angle: Array) -> Array:
+    return _about(angle, 0, 1)

@@ -1,0 +1,293 @@
+"""A person's joints in space from keypoints of a film: a small network looks at a second of them.
+
+Joints are relative to the middle of the hips and in body sizes: one film says neither how far away
+nor how tall a person is. Before a look the picture is turned so that the middle of the hips lies
+straight ahead, at each frame anew; a camera that moves, or is turned after a person, sees the same.
+After J. Martinez and others, *A simple yet effective baseline for 3D human pose estimation*, 2017,
+and D. Pavllo and others, *3D human pose estimation in video with temporal convolutions and
+semi-supervised training*, 2019. How it was trained is in `bench/lift`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from keypose.tracker.errors import KeypointError, listed
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.model_files import LIFTER, verified
+from keypose.tracker.keypoints.runtimes import Runtime, Tensor, open_runtime
+
+_LEG: Final = ("hip", "knee", "ankle", "foot_index")
+_ARM: Final = ("shoulder", "elbow", "wrist")
+POINTS: Final = (
+    *(f"right_{name}" for name in _LEG),
+    *(f"left_{name}" for name in _LEG),
+    "head",
+    *(f"right_{name}" for name in _ARM),
+    *(f"left_{name}" for name in _ARM),
+)
+"""What the network sees; head is the middle of the ears."""
+LIFTED: Final = (*POINTS, "neck")
+"""What it answers with: centres of joints, the base of the toes, the middle of the head and the
+base of the neck, between the shoulders."""
+OFFSETS_S: Final = np.array([-14, -9, -5, -2, 0, 2, 5, 9, 14]) / 30
+"""Of the moments it sees from the one it answers for, seconds."""
+MIDDLE: Final = 4
+"""Of these, the one it answers for."""
+HIPS: Final = (POINTS.index("right_hip"), POINTS.index("left_hip"))
+_SHOULDERS: Final = (POINTS.index("right_shoulder"), POINTS.index("left_shoulder"))
+OTHER_SIDE: Final = (4, 5, 6, 7, 0, 1, 2, 3, 8, 12, 13, 14, 9, 10, 11, 15)
+"""Of each of `LIFTED`, the same of the other side."""
+
+LEAST_VISIBILITY: Final = 0.3
+"""Keypoints less visible are not shown to it."""
+LONGEST_GAP_S: Final = 0.2
+"""Between two frames in which a keypoint is seen, over which it is interpolated."""
+LEAST_POINTS: Final = 4
+"""Seen at a moment; of fewer nothing is said."""
+
+_LOG_SCALE: Final = 2.0
+"""Added to the logarithm of a figure's size, which is about −2 for a whole body 4 m away."""
+_ACROSS: Final = 0.38
+"""Body sizes across the view, of the root mean square of a figure's points."""
+_FLATTEST, _STEEPEST = -6.0, 1.0
+_LOG_SIGMA: Final = -2.5
+"""Logarithm of a usual deviation in body sizes, and how far from it one may lie."""
+NETWORKS: Final = ("first", "second")
+"""Trained alike from other beginnings; where they disagree, neither is to be believed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lifted:
+    """Joints in body sizes, from the middle of the hips, in the axes of the camera at each frame.
+
+    A body size is thigh and shin, mean of both sides, and the way from the middle of the hips to
+    that of the shoulders.
+
+    first_frame: of the video.
+    names:       of the J joints, `LIFTED`.
+    p_hips:      (N, J, 3), x right, y down, z away; NaN where too little is seen.
+    sigma:       (N, J, 2) standard deviation across the line of sight, along each of the two axes,
+                 and along it; NaN where p_hips is.
+    """
+
+    first_frame: int
+    names: tuple[str, ...]
+    p_hips: Array
+    sigma: Array
+
+    def __len__(self) -> int:
+        return len(self.p_hips)
+
+
+def lifted(
+    keypoints: Keypoints,
+    camera: Camera,
+    times_s: ArrayLike,
+    up_camera: ArrayLike | None = None,
+) -> Lifted:
+    """The joints in space of a person whose keypoints these are.
+
+    times_s: (N,) of the frames, rising, in seconds; of any rate.
+    up_camera: (3,) or (N, 3) what is up, in the camera's axes; None where that is unknown.
+    KeypointError where keypoints are not those of a person, or times do not fit.
+    """
+    times = np.asarray(times_s, dtype=np.float64)
+    if (
+        times.shape != (len(keypoints),)
+        or not np.isfinite(times).all()
+        or (np.diff(times) <= 0).any()
+    ):
+        raise KeypointError(
+            f"Times of {len(keypoints)} frames, each later than the one before, are needed to lift "
+            "keypoints into space."
+        )
+    if not len(keypoints):
+        return Lifted(keypoints.first_frame, LIFTED, np.empty((0, 16, 3)), np.empty((0, 16, 2)))
+    xy, seen = _points(keypoints, camera)
+    hips = _hips(xy, seen, times)
+    Rs_turned_camera = turns(hips)
+    if camera.telephoto_distance_m is not None:  # lines of sight are parallel
+        Rs_turned_camera, xy = np.broadcast_to(np.eye(3), (len(times), 3, 3)), xy - hips[:, None]
+    else:
+        xy = turned(xy, Rs_turned_camera)
+    windows, shown = _windows(xy, seen, times)
+    up = _ups(up_camera, Rs_turned_camera)
+    p_turned, sigma = both_ways(windows, shown, up)
+    known = np.isfinite(hips).all(axis=1) & (shown[:, MIDDLE].sum(axis=1) >= LEAST_POINTS)
+    p_hips = p_turned @ np.nan_to_num(Rs_turned_camera)
+    p_hips[~known] = sigma[~known] = np.nan
+    return Lifted(keypoints.first_frame, LIFTED, p_hips, sigma)
+
+
+def _points(keypoints: Keypoints, camera: Camera) -> tuple[Array, NDArray[np.bool_]]:
+    """The network's points (N, 15, 2) in the plane at distance 1, and which are seen."""
+    missing = [name for name in JOINTS if name not in keypoints.names]
+    if missing:
+        raise KeypointError(
+            f"These keypoints have no {listed(missing)}: only a person's can be lifted into space."
+        )
+    visible = np.isfinite(keypoints.uv).all(axis=2) & (keypoints.visibility > LEAST_VISIBILITY)
+    xy = np.full((len(keypoints), len(POINTS), 2), np.nan)
+    for k, name in enumerate(POINTS):
+        parts = ("left_ear", "right_ear") if name == "head" else (name,)
+        if all(part in keypoints.names for part in parts):
+            at = [keypoints.names.index(part) for part in parts]
+            uv = keypoints.uv[:, at].mean(axis=1)
+            rays = camera.model_copy(
+                update={"projection": "perspective", "telephoto_distance_m": None}
+            )
+            xy[:, k] = np.where(
+                visible[:, at].all(axis=1)[:, None], rays.back_project(uv, 1.0)[:, :2], np.nan
+            )
+    return xy, np.isfinite(xy).all(axis=2)
+
+
+def _hips(xy: Array, seen: NDArray[np.bool_], times: Array) -> Array:
+    """The middle of the hips (N, 2), interpolated where one is unseen; NaN far from where both
+    are seen."""
+    both = seen[:, HIPS].all(axis=1)
+    middle = xy[:, HIPS].mean(axis=1)
+    if not both.any():
+        return middle
+    filled = np.column_stack([np.interp(times, times[both], middle[both, axis]) for axis in (0, 1)])
+    nearest = np.abs(times[:, None] - times[both]).min(axis=1)
+    return np.where((nearest <= OFFSETS_S[-1])[:, None], filled, np.nan)
+
+
+def turns(hips: Array) -> Array:
+    """Rotations (..., 3, 3) to the axes of a camera that looks at a point (..., 2) of the plane at
+    distance 1, x as level in the picture as it was."""
+    ahead = np.concatenate([hips, np.ones_like(hips[..., :1])], axis=-1)
+    z = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
+    x = np.stack([z[..., 2], np.zeros_like(z[..., 0]), -z[..., 0]], axis=-1)
+    x = x / np.linalg.norm(x, axis=-1, keepdims=True)
+    return np.stack([x, np.cross(z, x), z], axis=-2)
+
+
+def turned(xy: Array, R_turned_camera: Array) -> Array:
+    """Points (..., K, 2) of the plane at distance 1 as a turned camera sees them."""
+    rays = xy @ np.swapaxes(R_turned_camera[..., :2], -1, -2) + R_turned_camera[..., None, :, 2]
+    return np.asarray(rays[..., :2] / rays[..., 2:])
+
+
+def _windows(xy: Array, seen: NDArray[np.bool_], times: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """What is seen (N, 9, 15, 2) around each frame, and which of it is."""
+    moments = times[:, None] + OFFSETS_S
+    after = np.clip(np.searchsorted(times, moments), 1, max(1, len(times) - 1))
+    before = after - 1
+    if len(times) == 1:
+        after = before = np.zeros_like(after)
+    gap = times[after] - times[before]
+    share = np.divide(moments - times[before], gap, out=np.zeros_like(moments), where=gap > 0)
+    inside = (moments >= times[0] - 1e-6) & (moments <= times[-1] + 1e-6)
+    # a frame itself needs no neighbour
+    at_before, at_after = np.abs(share) < 1e-3, np.abs(share - 1) < 1e-3
+    share = np.clip(np.where(at_after, 1.0, np.where(at_before, 0.0, share)), 0.0, 1.0)[..., None]
+    near = (gap <= LONGEST_GAP_S)[..., None]
+    shown = np.where(
+        share == 0,
+        seen[before],
+        np.where(share == 1, seen[after], seen[before] & seen[after] & near),
+    )
+    shown &= inside[..., None]
+    filled = np.nan_to_num(xy)
+    points = filled[before] * (1 - share[..., None]) + filled[after] * share[..., None]
+    return points, shown
+
+
+def _ups(up_camera: ArrayLike | None, Rs_turned_camera: Array) -> Array:
+    """What is up (N, 3) in turned axes; 0 where unknown."""
+    count = len(Rs_turned_camera)
+    if up_camera is None:
+        return np.zeros((count, 3))
+    up = np.broadcast_to(np.asarray(up_camera, dtype=np.float64), (count, 3))
+    up = up / np.linalg.norm(up, axis=1, keepdims=True)
+    return np.nan_to_num(np.einsum("nij,nj->ni", Rs_turned_camera, up))
+
+
+# --- what the network is shown, and what it answers
+
+
+def encoded(points: Array, shown: NDArray[np.bool_], up: Array) -> Tensor:
+    """The network's input (N, 410).
+
+    points: (N, 9, 15, 2) in the plane at distance 1, the middle of the hips at 0.
+    shown: (N, 9, 15) which of them are seen.  up: (N, 3) unit vectors, 0 where unknown.
+    """
+    weight = shown.astype(np.float32)
+    xy = points.astype(np.float32) * weight[..., None]
+    count = np.maximum(weight.sum(axis=(1, 2)), 1.0)
+    size = np.sqrt(np.maximum((xy**2).sum(axis=(1, 2, 3)) / count, 1e-8))
+    known = np.linalg.norm(up, axis=1, keepdims=True) > 0
+    rows = len(points)
+    return np.concatenate(
+        [
+            (xy / size[:, None, None, None]).reshape(rows, -1),
+            weight.reshape(rows, -1),
+            np.log(size)[:, None] + _LOG_SCALE,
+            up,
+            known,
+        ],
+        axis=1,
+        dtype=np.float32,
+    )
+
+
+INPUTS: Final = len(OFFSETS_S) * len(POINTS) * 3 + 5
+OUTPUTS: Final = len(LIFTED) * 5 + 1
+_SEEN_NOW: Final = slice(MIDDLE * len(POINTS) * 2, (MIDDLE + 1) * len(POINTS) * 2)
+"""Of the input, the points of the moment it answers for."""
+
+
+def decoded(inputs: Tensor, outputs: Tensor) -> tuple[Array, Array]:
+    """Joints (N, 16, 3) in body sizes, in turned axes, and their deviation (N, 16, 2) across the
+    line of sight and along it; of outputs (N, 81)."""
+    each = outputs[:, :-1].reshape(len(outputs), len(LIFTED), 5).astype(np.float64)
+    seen = inputs[:, _SEEN_NOW].reshape(len(inputs), len(POINTS), 2)
+    neck = seen[:, _SHOULDERS].mean(axis=1, keepdims=True)
+    scale = _ACROSS * np.exp(np.clip(outputs[:, -1:, None], -2, 2))
+    p = each[..., :3].copy()
+    p[..., :2] += np.concatenate([seen, neck], axis=1) * scale
+    # Laplace's scale times the root of 2 is the standard deviation
+    sigma = np.sqrt(2) * np.exp(np.clip(each[..., 3:], _FLATTEST, _STEEPEST) + _LOG_SIGMA)
+    return p, sigma
+
+
+def both_ways(points: Array, shown: NDArray[np.bool_], up: Array) -> tuple[Array, Array]:
+    """Joints and their deviation, in turned axes: the mean of all networks, of what is seen and of
+    its mirror image."""
+    order = list(OTHER_SIDE)
+    mirror = np.array([-1.0, 1.0, 1.0])
+    inputs = [
+        encoded(points, shown, up),
+        encoded(points[:, :, order[:-1]] * mirror[:2], shown[:, :, order[:-1]], up * mirror),
+    ]
+    count = len(points)
+    outputs = _network().run(np.concatenate(inputs))
+    places, sigmas = [], []
+    for output in outputs:
+        rows = output.reshape(2 * count, OUTPUTS)
+        p, sigma = decoded(inputs[0], rows[:count])
+        p_mirrored, sigma_mirrored = decoded(inputs[1], rows[count:])
+        places += [p, p_mirrored[:, order] * mirror]
+        sigmas += [sigma, sigma_mirrored[:, order]]
+    return combined(np.array(places), np.array(sigmas))
+
+
+def combined(places: Array, sigmas: Array) -> tuple[Array, Array]:
+    """The mean of several answers (M, N, 16, 3), and the deviation (N, 16, 2) of these."""
+    p = places.mean(axis=0)
+    return p, sigmas.mean(axis=0)
+
+
+@cache
+def _network() -> Runtime:
+    return open_runtime(LIFTER.file, verified(LIFTER), NETWORKS, fast=False)
