@@ -29,7 +29,7 @@ from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import joined
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.results import load_results
 
 SIDES = ("right", "left")
@@ -79,13 +79,15 @@ class Expectation:
 class Film:
     """A film, the person's box in one frame, and where the joints were.
 
-    frames: those that are drafted, all where None.  R_camera_truth: from the axes of the truth to
-    the camera's.  rivals: names of files of what others found.
+    height_cm: with which the body is as long from ankles to shoulders as the truth's: what a person
+    is asked for, and the rivals were told.  frames: those that are drafted, all where None.
+    R_camera_truth: from the axes of the truth to the camera's.  rivals: what others found.
     """
 
     name: str
     video: Path
     view_deg: float
+    height_cm: float
     box: tuple[float, float, float, float]
     frame: int
     frames: str | None
@@ -151,8 +153,8 @@ def _run(film: Film, box: Sequence[float], folder: Path) -> Path:
     frames = () if film.frames is None else ("--frames", film.frames)
     _command(
         "run", str(film.video), "--out", str(folder), "--box", ",".join(map(str, box)),
-        "--frame", str(film.frame), "--field-of-view", str(film.view_deg), "--stand", "no",
-        *frames,
+        "--frame", str(film.frame), "--field-of-view", str(film.view_deg),
+        "--height", str(film.height_cm), "--stand", "no", *frames,
     )  # fmt: skip
     return next(folder.glob("*.keypose")) / "session.json"
 
@@ -177,7 +179,8 @@ def joints_of(path: Path) -> tuple[Array, Array]:
     skeleton = Skeleton.of(session.subject.body)
     names = joint_names(skeleton)
     p = motion.joints(skeleton)[:, [names.index(name) for name in JOINTS]]
-    times_s = np.arange(motion.first_frame, motion.last_frame + 1) / session.view.video.fps
+    with open_video_of(session, path) as video:
+        times_s = video.info.times_s[motion.first_frame : motion.last_frame + 1]
     return times_s, p
 
 
@@ -206,13 +209,13 @@ def _figures(p: Array, truth: Array) -> list[float]:
 
 
 def _about_hips(p: Array) -> Array:
-    return p - p[:, HIPS].mean(axis=1, keepdims=True)
+    return np.asarray(p - p[:, HIPS].mean(axis=1, keepdims=True))
 
 
 def _turned_onto(p: Array, truth: Array) -> Array:
     """All points, turned by the one rotation that brings them nearest to the truth."""
     R = Rotation.align_vectors(truth.reshape(-1, 3), p.reshape(-1, 3))[0]
-    return p @ R.as_matrix().T
+    return np.asarray(p @ R.as_matrix().T)
 
 
 def _procrustes(p: Array, truth: Array) -> float:
@@ -238,7 +241,7 @@ def _bent_deg(p: Array, truth: Array, joints: Sequence[tuple[int, int, int]]) ->
 def _angles_deg(p: Array, above: int, joint: int, below: int) -> Array:
     a, b = p[:, above] - p[:, joint], p[:, below] - p[:, joint]
     cosine = (a * b).sum(-1) / np.linalg.norm(a, axis=-1) / np.linalg.norm(b, axis=-1)
-    return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
 def _at(times_s: Array, known_s: Array, p: Array) -> Array:
@@ -252,15 +255,16 @@ def _at(times_s: Array, known_s: Array, p: Array) -> Array:
 
 
 def _opencap_walk() -> Film:
-    return _opencap("walk", (360, 550, 626, 1023), 25, None, Expectation(42.0))
+    return _opencap("walk", 163.5, (360, 550, 626, 1023), 25, None, Expectation(42.0))
 
 
 def _opencap_squat() -> Film:
-    return _opencap("squat", (148, 547, 475, 1130), 269, "0-330", Expectation(55.0))
+    return _opencap("squat", 171.6, (148, 547, 475, 1130), 269, "0-330", Expectation(55.0))
 
 
 def _opencap(
     name: str,
+    height_cm: float,
     box: tuple[float, float, float, float],
     frame: int,
     frames: str | None,
@@ -274,8 +278,8 @@ def _opencap(
     R = np.array(json.loads((folder / "camera_solved.json").read_text())["R_camera_ground"])
     rivals = {"OpenCap Monocular": folder / "mono.json", "WHAM": folder / "wham.json"}
     return Film(
-        name, folder / "video.mp4", PHONE_DEG, box, frame, frames, R, times_s, p, expected,
-        LATE_S, rivals,
+        name, folder / "video.mp4", PHONE_DEG, height_cm, box, frame, frames, R, times_s, p,
+        expected, LATE_S, rivals,
     )  # fmt: skip
 
 
@@ -293,6 +297,6 @@ def _person() -> Film:
     p = joints[:, [names.index(name) for name in BODY_25]]
     view_deg = 2 * np.degrees(np.arctan(camera.height / 2 / camera.fy))
     return Film(
-        "person", folder / video, round(float(view_deg), 2), (118, 184, 402, 658), 33, None,
+        "person", folder / video, round(float(view_deg), 2), 169.1, (118, 184, 402, 658), 33, None,
         np.eye(3), np.arange(len(p)) / 60.0, p, Expectation(60.0),
     )  # fmt: skip

@@ -146,6 +146,7 @@ def drafted(
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import find_model
     from keypose.tracker.storage.cache import Detections
+    from keypose.tracker.storage.lifting import depth_lifter
 
     detected = _Detected.at_box(at)
 
@@ -162,11 +163,12 @@ def drafted(
     reporter, began = DraftReporter(report, cancelled), time.monotonic()
     film, kept = session.view.video.pictures, Detections()
     half = not needs_masks(session) and model.skips_frames_at(video.info.fps)
+    lifter = depth_lifter(session, video.info.times_s, up=True)
     try:
         found = draft_clip(
             picture, frames, at, box, camera, session.subject.body, network, again=network.plain,
             proportions=proportions, up_world=session.world.up_world, path=session.camera_path,
-            report=reporter, film=film, kept=kept, every_second=half,
+            lifter=lifter, report=reporter, film=film, kept=kept, every_second=half,
         )  # fmt: skip
     except Cancelled:
         part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
@@ -177,7 +179,7 @@ def drafted(
         keypoints = detect(picture, part, [seed], network, film=film, kept=kept, every_second=half)
         found = draft_from_keypoints(
             keypoints, camera, session.subject.body, proportions=proportions,
-            up_world=session.world.up_world, path=session.camera_path,
+            up_world=session.world.up_world, path=session.camera_path, lifter=lifter,
             report=DraftReporter(report, never),
         )  # fmt: skip
         return Drafted(_outlined(found, session), network.fingerprint, part)

@@ -12,7 +12,9 @@ from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
+from keypose.tracker.storage.lifting import depth_lifter
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
@@ -24,9 +26,14 @@ Learned: TypeAlias = Mapping[int, Pose]
 """Drafts with what keyframes give, by frame."""
 
 
-def learned(session: Session, folder: Path, around: Collection[int]) -> Learned:
+def learned(
+    session: Session, folder: Path, around: Collection[int], file_times_s: Array
+) -> Learned:
     """The drafts near some keyframes with what all keyframes there give of the keypoints; none
-    where the keypoints are not beside the session any more. folder: of the session's file."""
+    where the keypoints are not beside the session any more.
+
+    folder: of the session's file.  file_times_s: (frames,) of the film's.
+    """
     from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
 
     skeleton, keypoints = Skeleton.of(session.subject.body), keypoints_of_session(session, folder)
@@ -37,6 +44,9 @@ def learned(session: Session, folder: Path, around: Collection[int]) -> Learned:
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     places = session.subject.drafted.places if session.subject.drafted else ()
     changes = [place.frame for place in places if place.reason == "person"]
+    lifter = depth_lifter(session, file_times_s, up=True)
+    if lifter is not None:
+        keypoints = lifter.of(keypoints, session.subject.body)
     seen, camera = at_one_focal(session, keypoints), session.view.camera
     return refit_drafts(seen, camera, session.subject.body, drafts, posed, around, changes)
 
@@ -56,8 +66,9 @@ class LearnDrafts(Fit):
         near = near_frames(edit.doc, around)
         return cls(*sent(opened, near, drafts=near.subject.drafts), tuple(sorted(around)))
 
-    def work(self, session: Session, _: Context) -> Learned:
-        return learned(session, Path(self.folder), self.around)
+    def work(self, session: Session, context: Context) -> Learned:
+        times_s = context.cache.video(session, self.video_path).info.times_s
+        return learned(session, Path(self.folder), self.around, times_s)
 
     def taken(self, found: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:
         """The state with what drafts learned from keyframes as they were when it began."""

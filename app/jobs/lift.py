@@ -17,6 +17,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.session import Session
+from keypose.tracker.storage.lifting import depth_lifter
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
@@ -65,6 +66,8 @@ class LiftDrafts(Fit):
             share = progress.done / max(progress.expected, 1)
             context.report(share, f"Posing: {progress.done} of {progress.expected} frames")
 
+        times_s = context.cache.video(session, self.video_path).info.times_s
+        lifter = depth_lifter(session, times_s, up=True)
         found = draft_from_keypoints(
             keypoints,
             session.view.camera,
@@ -73,6 +76,7 @@ class LiftDrafts(Fit):
             proportions=False,
             up_world=session.world.up_world,
             path=session.camera_path,
+            lifter=lifter,
             report=DraftReporter(report, context.cancelled),
         )
         anew = {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
@@ -82,6 +86,8 @@ class LiftDrafts(Fit):
             for k in session.subject.keyframes
             if k.frame not in self.frames
         }
+        if lifter is not None:
+            keypoints = lifter.of(keypoints, session.subject.body)
         seen = at_one_focal(session, keypoints)
         given = (seen, session.view.camera, session.subject.body, anew, posed, posed, changes)
         return {**anew, **refit_drafts(*given)}

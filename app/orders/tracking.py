@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from keypose.tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
 
 _OF_SESSION: Final = "; default: the session's setting"
-CUES: Final = ("brightness", "keypoints", "silhouette")
+CUES: Final = ("brightness", "keypoints", "depth", "silhouette")
 _NETWORK: Final = (
     "network that finds keypoints: thunder together with full, full alone, heavy, which is slower "
     "and has to be added, or one of your own, together with full; `keypose models` adds and lists "
@@ -33,14 +33,14 @@ class YesNo(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Cues(Value):
-    """Names of cues; the silhouette only judges the motion that the others lead to."""
+    """Names of cues; depth and silhouette alone lead to no motion."""
 
     metavar: str | None = "CUE,…"
 
     def read(self, text: str) -> tuple[str, ...]:
         asked = [Choice(names=CUES).read(word.strip()) for word in text.split(",")]
-        if asked == ["silhouette"]:
-            raise Misread("silhouette cannot track alone; add brightness or keypoints")
+        if not {"brightness", "keypoints"} & set(asked):
+            raise Misread(f"{asked[0]} cannot track alone; add brightness or keypoints")
         return tuple(cue for cue in CUES if cue in asked)
 
 

@@ -37,6 +37,8 @@ class Keypoints:
     p_hips:      (N, L, 3) metres, in axes parallel to the picture's (x right, y down, z away),
                  the middle of the hips at 0; NaN where unknown. None where no depth is known.
     by_hand:     (N, L) which of them a person set. None where nobody did.
+    depth_sigma_m: (N, L) standard deviation of p_hips along the view; NaN where that is unknown.
+                 None where it is everywhere.
     masks:       N, where the person is in the picture; None in frames where that is unknown.
                  None where it is of all.
     """
@@ -48,6 +50,7 @@ class Keypoints:
     p_hips: Array | None = None
     by_hand: NDArray[np.bool_] | None = None
     masks: tuple[PersonMask | None, ...] | None = None
+    depth_sigma_m: Array | None = None
 
     def __len__(self) -> int:
         return len(self.uv)
@@ -73,7 +76,8 @@ class Keypoints:
         uv, visibility = cut(self.uv, np.nan), cut(self.visibility, 0.0)
         frames = range(first_frame, last_frame + 1)
         masks = None if self.masks is None else tuple(self.mask(frame) for frame in frames)
-        return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand, masks)
+        sigma = None if self.depth_sigma_m is None else cut(self.depth_sigma_m, np.nan)
+        return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand, masks, sigma)
 
     def steadied(self, steady: SteadyCamera) -> Keypoints:
         """As a steady camera would have seen them."""
@@ -120,8 +124,14 @@ class Keypoints:
             own = stays.reshape(*stays.shape, *(1,) * (rows.ndim - 2))
             return np.where(own, rows, rows[:, order])
 
-        depth = None if self.p_hips is None else other(self.p_hips)
-        return replace(self, uv=other(self.uv), visibility=other(self.visibility), p_hips=depth)
+        depth, sigma = (
+            None if values is None else other(values)
+            for values in (self.p_hips, self.depth_sigma_m)
+        )
+        return replace(
+            self, uv=other(self.uv), visibility=other(self.visibility), p_hips=depth,
+            depth_sigma_m=sigma,
+        )  # fmt: skip
 
     def corrected(self, corrections: Sequence[KeypointCorrection]) -> Keypoints:
         """Apply what a person said of some of them: seen there for sure, or not at all. Depth is

@@ -35,7 +35,7 @@ Quality: TypeAlias = Annotated[Literal["full", "preview"], BeforeValidator(_as_n
 Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
-Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
+Cue: TypeAlias = Literal["brightness", "keypoints", "depth", "silhouette"]
 Initial: TypeAlias = Annotated[Literal["auto", "templates", "import"], BeforeValidator(_as_now)]
 
 
@@ -47,12 +47,14 @@ def network_name(text: str) -> str:
 
 
 NetworkName: TypeAlias = Annotated[str, AfterValidator(network_name)]
-ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints", "silhouette")
+ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints", "depth", "silhouette")
+LEADING_CUES: Final = frozenset({"brightness", "keypoints"})
+"""Those that a motion is found from; the others need one of them."""
 
 
 def _lead_to_a_motion(cues: tuple[Cue, ...]) -> tuple[Cue, ...]:
-    if set(cues) == {"silhouette"}:
-        raise ValueError("silhouette finds no motion alone; add brightness or keypoints")
+    if not LEADING_CUES & set(cues):
+        raise ValueError(f"{cues[0]} finds no motion alone; add brightness or keypoints")
     return cues
 
 
@@ -105,10 +107,11 @@ class TrackSettings(Plain):
         default=None,
         exclude_if=is_unknown,
         description="What the motion between keyframes is found from: brightness, how it changes "
-        "from frame to frame; keypoints, where a detector sees a person's joints; and silhouette, "
-        "what moves before a camera that stands still, or else where a network sees the person, "
-        "which shows where the body does not match it. Left out: brightness alone, as before there "
-        "were others.",
+        "from frame to frame; keypoints, where a detector sees a person's joints; depth, how far "
+        "these are from one another along the view, as a network lifts them from a second of "
+        "keypoints; and silhouette, what moves before a camera that stands still, or else where a "
+        "network sees the person, which shows where the body does not match it. Left out: "
+        "brightness alone, as before there were others.",
     )
     network: NetworkName | None = Field(
         default=None,

@@ -47,6 +47,8 @@ KEYPOINT_DEPTH_M: Final = 0.08
 TRUNK_DEPTH_M: Final = {"hip": 0.027, "shoulder": 0.04}
 """The same in drafts of a hip and a shoulder, whose depths say how the trunk is turned: their
 distance in the picture, which a network has too small or too large, turned it by up to 60°."""
+LEAST_DEPTH_M: Final = 0.015
+"""Of a depth that tells its own standard deviation, at least."""
 FOOT_DEPTH_M: Final = 0.05
 """Of heels and toes in depth beside their ankle."""
 ON_PART_M, ON_PART_BY_EYE_M, FACE_ON_PART_M = 0.02, 0.012, 0.05

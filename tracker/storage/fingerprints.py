@@ -25,7 +25,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, frozen, rotation_from_quaternion
 from keypose.tracker.geometry.steady import SteadyCamera
-from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.keypoints.model_files import LIFTER, find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.camera_motion import CameraMotion
@@ -241,8 +241,10 @@ def _drafted(session: Session, span: Span) -> list[Any]:
     """Return what a draft's keypoints are in a segment; nothing where they do not count."""
     if session.view.keypoints is None or not has_drafted_keypoints(session):
         return []
-    first, last = span
-    runs = session.view.keypoints.runs[first // KEYPOINT_RUN : last // KEYPOINT_RUN + 1]
+    first, last = span[0] // KEYPOINT_RUN, span[1] // KEYPOINT_RUN
+    if "depth" in session.settings.cues_used:  # which looks beyond the segment
+        first, last = max(first - 1, 0), last + 1
+    runs = session.view.keypoints.runs[first : last + 1]
     return [{"drafted": runs}] if runs else []
 
 
@@ -368,7 +370,8 @@ def _keypoints(session: Session) -> list[Any]:
     if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.view.given_keypoints
-    return ["keypoints", _digest(settings.network_used) if given is None else given.file]
+    lifted = [LIFTER.sha256] if "depth" in settings.cues_used else []
+    return ["keypoints", _digest(settings.network_used) if given is None else given.file, *lifted]
 
 
 def _digest(network: str) -> str:

@@ -25,6 +25,7 @@ from keypose.tracker.storage.fingerprints import (
     steady_camera,
     without_part_keyframes,
 )
+from keypose.tracker.storage.lifting import depth_lifter
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps
@@ -35,6 +36,7 @@ from keypose.tracker.tracking.cues.sources import (
     DetectedKeypoints,
     GivenKeypoints,
     KeypointSource,
+    LiftedKeypoints,
     SteadyKeypoints,
 )
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
@@ -104,9 +106,10 @@ def keypoint_source(
 ) -> KeypointSource | None:
     """Return where keypoints come from, with a person's corrections; None if they do not count."""
     source = _found_keypoints(session, video, given)
-    if source is None or not session.view.keypoint_corrections:
-        return source
-    return CorrectedKeypoints(source, session.view.keypoint_corrections)
+    if source is not None and session.view.keypoint_corrections:
+        source = CorrectedKeypoints(source, session.view.keypoint_corrections)
+    lifter = depth_lifter(session, video.info.times_s)
+    return source if source is None or lifter is None else LiftedKeypoints(source, lifter, given)
 
 
 def _found_keypoints(

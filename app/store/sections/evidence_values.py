@@ -29,16 +29,17 @@ from keypose.tracker.keypoints.on_body import HEAD_POINTS, is_persons, points_on
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.evidence import surface_of
 from keypose.tracker.session.schema import Session
-from keypose.tracker.session.settings import ALL_CUES, Cue, TrackSettings
+from keypose.tracker.session.settings import ALL_CUES, LEADING_CUES, Cue, TrackSettings
 from keypose.tracker.storage.fingerprints import needs_masks, shows_background
 from keypose.tracker.storage.pace import seconds_a_frame
 
 _TITLES: Final[Mapping[str, str]] = {
     "brightness": "Follow how the body’s brightness moves from frame to frame",
     "keypoints": "Compare the body’s joints with those found in each frame",
+    "depth": "Lift the joints’ depth from a second of keypoints around each frame",
     "silhouette": "Compare where the body is with what moves, or where a network sees the person",
 }
-_PERSONS: Final[tuple[Cue, ...]] = ("keypoints",)
+_PERSONS: Final[tuple[Cue, ...]] = ("keypoints", "depth")
 """Those that only a person's body can be compared with."""
 
 
@@ -54,7 +55,7 @@ def cues(app_state: AppState) -> Json:
             "title": _TITLES.get(cue, ""),
             "on": cue in doc.settings.cues_used,
             "off": _why_off(doc, cue),
-            "leads": cue != "silhouette",
+            "leads": cue in LEADING_CUES,
         }
         for cue in ALL_CUES
     ]
@@ -68,6 +69,8 @@ def _why_off(doc: Session, cue: Cue) -> str:
         return "Needs a person’s body"
     if doc.settings.method == "paper":
         return "Not in the published method"
+    if cue == "depth" and "keypoints" not in doc.settings.cues_used:
+        return "Needs keypoints"
     if cue == "silhouette" and not (shows_background(doc) or is_persons(doc.subject.body)):
         return "Needs a person’s body, or a camera that stands still or turns"
     return ""

@@ -90,7 +90,10 @@ def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
             ratios[names[one.part]] = _median(np.concatenate(seen), joints.seen_length_m(one))
     ratios[_TRUNK] = _trunk_lengths(joints, observed)
     a, b = (place_of(side, "shoulder") for side in SIDES)
-    ours = float(np.linalg.norm(joints.rest[a] - joints.rest[b]))
+    p = joints.seen.at(
+        pose_transforms(joints.skeleton, Pose.rest(joints.skeleton, (0.0, 0.0, 0.0)))
+    )
+    ours = float(np.linalg.norm(p[a] - p[b]))
     ratios[_SIZE_SHOULDERS] = _median(_lengths(observed, a, b), ours)
     return ratios
 

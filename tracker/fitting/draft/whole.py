@@ -36,6 +36,7 @@ from keypose.tracker.solver.sigmas import (
     FOOT_DEPTH_M,
     KEYPOINT_DEPTH_M,
     KEYPOINT_SHARE,
+    LEAST_DEPTH_M,
     LIMIT_RAD,
     TRUNK_DEPTH_M,
     keypoint_blur,
@@ -82,10 +83,16 @@ class Whole:
         columns = np.arange(len(JOINTS))
         known, sigma, wider = _sigmas(scene, observed, first, columns)
         z = joints.seen.at(first.transforms(scene.skeleton))[..., 2]
-        depth_m = np.array([TRUNK_DEPTH_M.get(j.split("_")[1], KEYPOINT_DEPTH_M) for j in JOINTS])
+        usual_m = np.array([TRUNK_DEPTH_M.get(j.split("_")[1], KEYPOINT_DEPTH_M) for j in JOINTS])
+        own_m = observed.depth_sigma_m[:, columns]
+        depth_m = np.where(
+            np.isfinite(own_m),
+            np.maximum(own_m, LEAST_DEPTH_M),
+            usual_m * wider,
+        )
         return cls(
             scene, joints.seen, observed.uv[:, columns], np.where(known, 1 / sigma, 0.0),
-            z - first.ps_camera_root[:, 2:], np.where(known, 1 / (depth_m * wider), 0.0),
+            z - first.ps_camera_root[:, 2:], np.where(known, 1 / depth_m, 0.0),
             first, scene.precision(DRAFTED),
         )  # fmt: skip
 
@@ -222,4 +229,5 @@ def _sigmas(
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     wider = keypoint_blur(observed.visibility[:, columns])
     known = observed.known[:, columns] & observed.usable[:, None]
+    return known, KEYPOINT_SHARE * heights[:, None] * wider, wider
     return known, KEYPOINT_SHARE * heights[:, None] * wider, wider

@@ -37,6 +37,7 @@ from keypose.tracker.solver.sigmas import (
     FACE_ON_PART_M,
     KEYPOINT_DEPTH_M,
     KEYPOINT_SHARE,
+    LEAST_DEPTH_M,
     ON_PART_BY_EYE_M,
     ON_PART_M,
     keypoint_blur,
@@ -315,5 +316,8 @@ def _depths(
     missing = np.where(np.isfinite(missing), missing, missing[::-1])  # one keyframe may not show it
     share = np.linspace(0.0, 1.0, len(z))[:, None]
     depth = z + (1 - share) * missing[0] + share * missing[1]
-    known = np.isfinite(depth)
-    return np.where(known, depth, 0.0), np.where(known, 1 / KEYPOINT_DEPTH_M, 0.0)
+    known, sigma_m = np.isfinite(depth), np.full(depth.shape, KEYPOINT_DEPTH_M)
+    if seen.depth_sigma_m is not None:
+        own_m = seen.depth_sigma_m[:, index]
+        sigma_m = np.where(np.isfinite(own_m), np.maximum(own_m, LEAST_DEPTH_M), sigma_m)
+    return np.where(known, depth, 0.0), np.where(known, 1 / sigma_m, 0.0)

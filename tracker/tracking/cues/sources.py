@@ -19,6 +19,7 @@ from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Detector, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detector
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.keypoints.model_files import FULL, Model
 from keypose.tracker.keypoints.paired import PairedNetwork
 from keypose.tracker.keypoints.region import Region
@@ -198,6 +199,51 @@ class CorrectedKeypoints:
 
     def _corrected(self, found: Keypoints | None) -> Keypoints | None:
         return None if found is None else found.corrected(self.corrections)
+
+
+@dataclass(frozen=True, eq=False)
+class LiftedKeypoints:
+    """Keypoints of another source, with the depth that is lifted from them.
+
+    around: those of the whole film, where they are known: what is seen before and after the frames
+    that are asked for.
+    """
+
+    source: KeypointSource
+    lifter: DepthLifter
+    around: Keypoints | None = None
+
+    def over(
+        self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
+    ) -> Keypoints | None:
+        return self._lifted(self.source.over(segment, skeleton, report), skeleton)
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        return self._lifted(self.source.at(frame, skeleton, pose), skeleton)
+
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        found = self.source.beyond(frame, last, skeleton, pose, report)
+        return self._lifted(found, skeleton)
+
+    def _lifted(self, found: Keypoints | None, skeleton: Skeleton) -> Keypoints | None:
+        if found is None:
+            return None
+        first, last = found.first_frame, found.last_frame
+        wider = found
+        if self.around is not None and _are_same(found, self.around.over(first, last)):
+            wider = self.around.over(*self.lifter.looked_at(first, last)).overlaid(found)
+        lifted = self.lifter.of(wider, skeleton.body).over(first, last)
+        return replace(found, p_hips=lifted.p_hips, depth_sigma_m=lifted.depth_sigma_m)
+
+
+def _are_same(found: Keypoints, other: Keypoints) -> bool:
+    """Whether keypoints are others, but for what a person set."""
+    if found.names != other.names:
+        return False
+    same = np.isclose(found.uv, other.uv, equal_nan=True).all(axis=-1)
+    return bool(same.all() if found.by_hand is None else (same | found.by_hand).all())
 
 
 @dataclass(frozen=True, eq=False)
