@@ -14,7 +14,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
-from keypose.tracker.storage.lifting import depth_lifter
+from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
@@ -44,8 +44,8 @@ def learned(
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     places = session.subject.drafted.places if session.subject.drafted else ()
     changes = [place.frame for place in places if place.reason == "person"]
-    lifter = depth_lifter(session, file_times_s, up=True)
-    if lifter is not None:
+    if lifts_depth(session):
+        lifter = depth_lifter(session, file_times_s, up=True)
         keypoints = lifter.of(keypoints, session.subject.body)
     seen, camera = at_one_focal(session, keypoints), session.view.camera
     return refit_drafts(seen, camera, session.subject.body, drafts, posed, around, changes)

@@ -17,7 +17,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.session import Session
-from keypose.tracker.storage.lifting import depth_lifter
+from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class LiftDrafts(Fit):
             context.report(share, f"Posing: {progress.done} of {progress.expected} frames")
 
         times_s = context.cache.video(session, self.video_path).info.times_s
-        lifter = depth_lifter(session, times_s, up=True)
+        lifter = depth_lifter(session, times_s, up=True) if lifts_depth(session) else None
         found = draft_from_keypoints(
             keypoints,
             session.view.camera,

@@ -17,13 +17,11 @@ def lifts_depth(session: Session) -> bool:
     return wanted and is_persons(session.subject.body)
 
 
-def depth_lifter(session: Session, file_times_s: Array, *, up: bool = False) -> DepthLifter | None:
-    """What lifts keypoints of a session's film; None where its cues leave that out.
+def depth_lifter(session: Session, file_times_s: Array, *, up: bool = False) -> DepthLifter:
+    """What lifts keypoints of a session's film.
 
     file_times_s: (frames,) of the file.  up: whether it is told what is up, where that is known.
     """
-    if not lifts_depth(session):
-        return None
     times_s = session.evidence.times_s(file_times_s)
     return DepthLifter(session.view.camera, times_s, _up_camera(session) if up else None)
 

@@ -25,7 +25,7 @@ from keypose.tracker.storage.fingerprints import (
     steady_camera,
     without_part_keyframes,
 )
-from keypose.tracker.storage.lifting import depth_lifter
+from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps
@@ -108,8 +108,9 @@ def keypoint_source(
     source = _found_keypoints(session, video, given)
     if source is not None and session.view.keypoint_corrections:
         source = CorrectedKeypoints(source, session.view.keypoint_corrections)
-    lifter = depth_lifter(session, video.info.times_s)
-    return source if source is None or lifter is None else LiftedKeypoints(source, lifter, given)
+    if source is None or not lifts_depth(session):
+        return source
+    return LiftedKeypoints(source, depth_lifter(session, video.info.times_s), given)
 
 
 def _found_keypoints(

@@ -167,6 +167,8 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, keypoints=from_box) == keys(detected)  # found again from the keyframes
     every_cue = both_cues.model_copy(update={"cues": (*both_cues.cues, "silhouette")})
     assert keys(detected, settings=every_cue) != keys(detected)  # by the mask of the person
+    lifted = both_cues.model_copy(update={"cues": (*both_cues.cues, "depth")})
+    assert keys(detected, settings=lifted) != keys(detected)
     thing = {"body": session().subject.body, "keyframes": session().subject.keyframes}
     assert keys(detected, **thing, settings=every_cue) == keys(detected, **thing)
     still, with_all = (c.model_copy(update={"static_camera": True}) for c in (both_cues, every_cue))
@@ -204,6 +206,11 @@ def test_a_drafts_keypoints_count_in_the_segments_of_their_frames(
     assert keys(person, keypoints=again)[0] != of_draft[0], "its end is in the second run"
     assert keys(person, keypoints=later)[0] == of_draft[0]
     assert keys(person, keypoints=later)[1] != of_draft[1]
+    settings = both.model_copy(update={"cues": (*both.cues, "depth")})  # which looks beyond it
+    last = drafted.model_copy(update={"runs": (*later.runs, "44444444")})
+    ends = [keys(person, keypoints=k, settings=settings) for k in (drafted, later, last)]
+    assert [ends[1][n] != ends[0][n] for n in (0, 1)] == [True, True]
+    assert [ends[2][n] != ends[1][n] for n in (0, 1)] == [False, True]
     assert keys(person, keypoints=drafted.model_copy(update={"model": "", "runs": ()})) == plain
     for changes in ({"network": "heavy"}, {"cues": ("brightness",)}):
         settings = both.model_copy(update=changes)

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from keypose.tracker.keypoints.augmented import augmented_fingerprint
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.detect import DetectionWindow
+from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.keypoints.model_files import FULL, HEAVY
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.tracking.cues import sources
-from keypose.tracker.tracking.cues.sources import DetectedKeypoints, found_before
+from keypose.tracker.tracking.cues.sources import (
+    DetectedKeypoints,
+    GivenKeypoints,
+    LiftedKeypoints,
+    found_before,
+)
 from tests.tracker.keypoints.keypoint_cases import NO_MASK
 from tests.tracker.tracking.cues.people import SKELETON, Filmed, moving
 
@@ -65,3 +73,18 @@ def test_there_are_none_of_another_film_network_pose_or_before_the_first_track(k
         (POSED, "film", Kept(), FULL),
     ):
         assert found_before(posed, SKELETON, FILM.camera, film, where, model) is None
+
+
+def test_a_segments_depth_is_lifted_with_what_is_seen_before_and_after_it() -> None:
+    lifter = DepthLifter(FILM.camera, np.arange(30) / 30)
+    whole = lifter.of(FILM.keypoints, SKELETON.body)
+    inside = replace(FILM.segment, first_frame=6, last_frame=10)
+    given = GivenKeypoints(FILM.keypoints)
+    for around, as_whole in ((FILM.keypoints, True), (None, False), (whole.over(3, 9), False)):
+        source = LiftedKeypoints(given, lifter, around)
+        found = source.over(inside, SKELETON, lambda: None)
+        assert found is not None
+        assert found.p_hips is not None
+        assert whole.p_hips is not None
+        np.testing.assert_array_equal(found.uv, FILM.keypoints.over(6, 10).uv)
+        assert np.allclose(found.p_hips, whole.p_hips[3:8], atol=1e-6) == as_whole
