@@ -39,19 +39,21 @@ JOINTS = tuple(
     for side in SIDES
 )
 """Parts, each of which begins at its joint: hip, knee, ankle, shoulder, elbow, wrist."""
-OPENSIM = tuple(
-    f"{bone}_{side}"
-    for bone in ("femur", "tibia", "talus", "humerus", "ulna", "hand")
-    for side in ("r", "l")
+_BONES = ("femur", "tibia", "talus", "humerus", "ulna", "hand")
+OPENSIM = (
+    *(f"{bone}_{side}" for bone in _BONES for side in ("r", "l")),
+    *("calcn_r", "toes_r", "calcn_l", "toes_l"),
 )
-BODY_25 = tuple(
-    f"{side}{joint}"
-    for joint in ("Hip", "Knee", "Ankle", "Shoulder", "Elbow", "Wrist")
-    for side in ("R", "L")
+_POINTS = ("Hip", "Knee", "Ankle", "Shoulder", "Elbow", "Wrist")
+BODY_25 = (
+    *(f"{side}{joint}" for joint in _POINTS for side in ("R", "L")),
+    *("RHeel", "RBigToe", "LHeel", "LBigToe"),
 )
 HIPS, SHOULDERS = (0, 1), (6, 7)
 KNEES = ((0, 2, 4), (1, 3, 5))
 ELBOWS = ((6, 8, 10), (7, 9, 11))
+FEET = ((12, 13), (14, 15))
+"""Heel and toe of the right and of the left foot, after the joints."""
 LATE_S = 0.0165
 """The phone's films are so much behind the markers, measured against keypoints."""
 PHONE_DEG = 70.05
@@ -60,7 +62,7 @@ BOXES = 3
 DISTURBED = 0.02
 COLUMNS = (
     "root-rel mm", "Procrustes", "rigid", "across", "along", "hips deg", "shoulders", "knees",
-    "elbows",
+    "elbows", "feet",
 )  # fmt: skip
 
 
@@ -108,7 +110,8 @@ def markers(report: Report) -> None:
     """The whole group."""
     report.note("12 joints, the whole clip turned onto the truth about the hips; Procrustes: each")
     report.note("frame by itself, scaled; rigid: the clip as one, hips and all; across, along: rms")
-    report.note("in the view; hips, shoulders: mean turn of their line in the horizontal, degrees")
+    report.note("in the view; hips, shoulders: mean turn of their line in the horizontal, degrees;")
+    report.note("feet: mean degrees between the lines from heel to toe")
     table = report.table("against markers", *COLUMNS, wide=COLUMNS)
     for found in (_opencap_walk, _opencap_squat, _person):
         with contextlib.suppress(Absent):
@@ -172,13 +175,22 @@ def _measured(film: Film, path: Path) -> list[float]:
 
 
 def joints_of(path: Path) -> tuple[Array, Array]:
-    """Of a session's motion the seconds (F,) and the twelve joints (F, 12, 3), camera frame."""
+    """Of a session's motion the seconds (F,) and, in the camera's frame, the twelve joints with
+    heels and toes (F, 16, 3)."""
     session = load_session(path)
     found = load_results(session, path).fitting(session)
     motion = joined([found[span].trajectory for span in sorted(found)])
     skeleton = Skeleton.of(session.subject.body)
     names = joint_names(skeleton)
     p = motion.joints(skeleton)[:, [names.index(name) for name in JOINTS]]
+    Ts = motion.transforms(skeleton)
+    for side in SIDES:
+        part = skeleton.body.index(f"{side}_foot")
+        ends = [
+            skeleton.body.parts[part].landmarks[name] for name in (f"{side}_heel", f"{side}_toe")
+        ]
+        there = np.array(ends) @ np.swapaxes(Ts[:, part, :3, :3], -1, -2) + Ts[:, part, None, :3, 3]
+        p = np.concatenate([p, there], axis=1)
     with open_video_of(session, path) as video:
         times_s = video.info.times_s[motion.first_frame : motion.last_frame + 1]
     return times_s, p
@@ -189,9 +201,12 @@ def _over(figures: Sequence[Sequence[float]]) -> list[Over]:
 
 
 def _figures(p: Array, truth: Array) -> list[float]:
-    """The figures of a motion, (F, 12, 3) in any axes, beside the truth in the camera's."""
+    """The figures of a motion, (F, 16, 3) in any axes, beside the truth in the camera's."""
+    feet, true_feet = p[:, 12:], truth[:, 12:]
+    p, truth = p[:, :12], truth[:, :12]
     about, true = _about_hips(p), _about_hips(truth)
-    turned = _turned_onto(about, true)
+    R = _onto(about, true)
+    turned = about @ R.T
     off = turned - true
     rigid = _turned_onto(p - p.mean((0, 1)), truth - truth.mean((0, 1))) - truth
     rigid += truth.mean((0, 1))
@@ -205,7 +220,19 @@ def _figures(p: Array, truth: Array) -> list[float]:
         _line_deg(turned, true, SHOULDERS),
         _bent_deg(p, truth, KNEES),
         _bent_deg(p, truth, ELBOWS),
+        _apart_deg(_soles(feet @ R.T), _soles(true_feet)),
     ]
+
+
+def _soles(feet: Array) -> Array:
+    """(F, 2, 3) from heel to toe of both feet."""
+    return np.asarray(feet[:, 1::2] - feet[:, ::2])
+
+
+def _apart_deg(a: Array, b: Array) -> float:
+    """Mean degrees between directions."""
+    cosine = (a * b).sum(-1) / np.linalg.norm(a, axis=-1) / np.linalg.norm(b, axis=-1)
+    return float(np.nanmean(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))))
 
 
 def _about_hips(p: Array) -> Array:
@@ -214,8 +241,13 @@ def _about_hips(p: Array) -> Array:
 
 def _turned_onto(p: Array, truth: Array) -> Array:
     """All points, turned by the one rotation that brings them nearest to the truth."""
+    return np.asarray(p @ _onto(p, truth).T)
+
+
+def _onto(p: Array, truth: Array) -> Array:
+    """(3, 3) the rotation that brings points nearest to the truth."""
     R = Rotation.align_vectors(truth.reshape(-1, 3), p.reshape(-1, 3))[0]
-    return np.asarray(p @ R.as_matrix().T)
+    return np.asarray(R.as_matrix())
 
 
 def _procrustes(p: Array, truth: Array) -> float:
@@ -284,7 +316,8 @@ def _opencap(
 
 
 def _opensim(path: Path) -> tuple[Array, Array]:
-    """Seconds (F,) and joints (F, 12, 3), metres, of a motion of OpenSim's model."""
+    """Seconds (F,) and joints with heels and toes (F, 16, 3), metres, of a motion of OpenSim's
+    model."""
     motion: dict[str, Any] = json.loads(path.read_text())
     p = [np.array(motion["bodies"][bone]["translation"]) for bone in OPENSIM]
     return np.array(motion["time"]), np.stack(p, axis=1)

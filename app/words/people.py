@@ -32,6 +32,17 @@ def found_person_words(found: PeopleInFilm) -> str:
     return f"{words} Smaller people were left out (frame{'s' * (len(found.smaller) > 1)} {frames})."
 
 
+def assumed_words(height_cm: float | None, lens_mm: float | None) -> str:
+    """Say how tall the person is taken to be, and through which lens they are taken to be filmed,
+    with how to say otherwise; None where it is known. Depth and lengths rest on both."""
+    taken = []
+    if height_cm is not None:
+        taken.append(f"{height_cm:.0f} cm tall (--height says otherwise)")
+    if lens_mm is not None:
+        taken.append(f"filmed through a lens of {lens_mm:.0f} mm on 35 mm film (--lens)")
+    return f"The person is taken to be {' and '.join(taken)}." if taken else ""
+
+
 def several_words(found: PeopleInFilm) -> str:
     """Ask which of several people is meant, each with the options that name them."""
     choices = "; ".join(

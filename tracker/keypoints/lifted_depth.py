@@ -106,7 +106,7 @@ def _with_joints(keypoints: Keypoints, p_joints: Array, sigma_m: Array) -> Keypo
     for k, name in enumerate(names):
         carriers = [JOINTS.index(joint) for joint in _carriers(name)]
         p[:, k] += moved[:, carriers].mean(axis=1)
-    known = np.isfinite(p_joints).all(axis=-1)
+    known = np.asarray(np.isfinite(p_joints).all(axis=-1))
     p[:, at] = np.where(known[..., None], p_joints, own[:, at])
     sigma[:, at] = np.where(known, sigma_m, np.nan)
     return replace(keypoints, p_hips=p, depth_sigma_m=sigma)

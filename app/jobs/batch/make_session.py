@@ -42,10 +42,12 @@ from keypose.app.orders.tracking import said
 from keypose.app.words.people import (
     accepted_words,
     another_person_words,
+    assumed_words,
     found_person_words,
     undrafted_words,
 )
 from keypose.app.words.standing import camera_words
+from keypose.tracker.body.modify import height
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_own
 from keypose.tracker.fitting.draft import DraftProgress
@@ -177,6 +179,7 @@ def _drafted(
             report = _sender(send, "person", stop)
             who = who_is_drafted(film.order, session, video, report)
             record = _begin_record(task, film, who).with_note(kept)
+            record = record.with_note(_assumed(film, session))
         require_draftable(session, record.frame, record.box, frames)
         who = WhoIsDrafted(record.frame, record.box)
         if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
@@ -200,6 +203,13 @@ def _drafted(
     if drafts.detected is not None:
         raise Cancelled
     return session, record
+
+
+def _assumed(film: FilmToDraft, session: Session) -> str:
+    """What depth and lengths rest on that nobody said."""
+    body, camera = session.subject.body, session.view.camera
+    height_cm = 100 * height(body) if film.order.height_cm is None else None
+    return assumed_words(height_cm, camera.focal_mm if session.view.lens_is_guess else None)
 
 
 def _with_camera(

@@ -77,6 +77,7 @@ def test_a_film_becomes_a_motion_on_its_floor_and_files_from_an_empty_folder(
     assert re.search(r"^jump +tracked +\d", out, re.M)
     for words in (
         "One person found: --box ",
+        "The person is taken to be 176 cm tall (--height says otherwise)",
         "Drafts accepted as approximate keyframes: 0, ",
         "Soles within",
     ):
