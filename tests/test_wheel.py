@@ -21,7 +21,7 @@ SHOWN = {"arms_page.jpg", "walk/page.jpg", "walk/film.webp"} | {
     path.relative_to(SAMPLES).as_posix() for path in (SAMPLES / "walk" / "gallery").iterdir()
 }
 """Pictures of READMEs, which the wheel leaves out."""
-MOST_BYTES = 26e6
+MOST_BYTES = 28e6
 LICENCES = {
     "Apache License": "Apache-2.0",
     "BSD 3-Clause": "BSD-3-Clause",

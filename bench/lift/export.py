@@ -31,16 +31,17 @@ def export(nets: list[Weights], path: Path) -> str:
             if values.ndim == 1:
                 tensors.append(numpy_helper.from_array(values.astype(np.float32), full))
                 return full
-            tensors.append(numpy_helper.from_array(values.astype(np.float16), f"{full}_half"))
+            # a layer is a convolution over a picture one pixel wide, with a row for each window:
+            # OpenCV 4 and 5 both run it, however tall
+            kernel = values.T[:, :, None, None].astype(np.float16)
+            tensors.append(numpy_helper.from_array(kernel, f"{full}_half"))
             nodes.append(helper.make_node("Cast", [f"{full}_half"], [full], to=TensorProto.FLOAT))
             return full
 
         def layer(x: str, key: str, out: str, relu: bool = True, put: object = stored) -> str:
             w, b = (put(f"{kind}{key}") for kind in "wb")  # type: ignore[operator]
-            nodes.append(helper.make_node("MatMul", [x, w], [f"{out}_product"]))
-            nodes.append(
-                helper.make_node("Add", [f"{out}_product", b], [f"{out}_sum" if relu else out])
-            )
+            end = f"{out}_sum" if relu else out
+            nodes.append(helper.make_node("Conv", [x, w, b], [end], kernel_shape=[1, 1]))
             if relu:
                 nodes.append(helper.make_node("Relu", [f"{out}_sum"], [out]))
             return out
@@ -52,8 +53,10 @@ def export(nets: list[Weights], path: Path) -> str:
             nodes.append(helper.make_node("Add", [h, change], [f"{name}_h{n}"]))
             h = f"{name}_h{n}"
         layer(h, "o", name, relu=False)
-        outputs.append(helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, "rows", OUTPUTS]))
-    shape = helper.make_tensor_value_info("input", TensorProto.FLOAT, [1, "rows", INPUTS])
+        outputs.append(
+            helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, OUTPUTS, "rows", 1])
+        )
+    shape = helper.make_tensor_value_info("input", TensorProto.FLOAT, [1, INPUTS, "rows", 1])
     graph = helper.make_graph(nodes, "lifter", [shape], outputs, tensors)
     model = helper.make_model(
         graph, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="keypose bench.lift",

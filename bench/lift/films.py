@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.clips import person_reference
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -53,6 +54,19 @@ class Film:
         p = np.array([[np.interp(at[kept], t, p[:, j, a]) for a in range(3)] for j in range(12)])
         p = p.transpose(2, 0, 1) @ R.T
         return cls(keypoints, read.view.camera, times, kept, p - _hips(p), R[:, 1])
+
+    @classmethod
+    def of_person(cls, session: Path, folder: Path) -> Film:
+        """Of the man on the beam, whose joints four cameras saw, through his own camera."""
+        keypoints = keypoints_of_session(load_session(session / "session.json"), session)
+        assert keypoints is not None
+        _, camera, names, joints = person_reference(folder)
+        order = [names.index(f"{name[0].upper()}{name.split('_')[1].title()}") for name in NAMES]
+        frames = np.arange(len(keypoints)) + keypoints.first_frame
+        p = joints[frames][:, order]
+        R = json.loads((folder / "meta.json").read_text())["camera"]["R_world_to_cam"]
+        kept = np.ones(len(frames), np.bool_)
+        return cls(keypoints, camera, frames / 60, kept, p - _hips(p), np.array(R)[:, 2])
 
     def size_m(self) -> float:
         """Leg and trunk of the person."""

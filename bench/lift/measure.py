@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.lift.films import HEAD, Film, compared, taken
 from bench.lift.poses import KINDS, own_motions
-from bench.lift.windows import Batch, Capture, How, Motions, batch, held_out
+from bench.lift.windows import Batch, Capture, How, Motions, batch, held_out, of_reference
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.lifting import both_ways, lifted
 
@@ -26,7 +26,8 @@ def measure(capture: Path | None, films: Path | None, sessions: dict[str, Path])
                 _of_windows(name, motions, up)
     for name, session in sessions.items():
         assert films is not None
-        film = Film.read(session, films / name)
+        read = Film.of_person if name == "person" else Film.read
+        film = read(session, films / name)
         print(f"\n{name}: {film.kept.sum()} frames")
         print(HEAD)
         print(compared("BlazePose's depth", film.of_network(), film.truth))
@@ -56,7 +57,7 @@ def left_out(path: Path) -> dict[str, Motions]:
     for kind in KINDS:
         joints, starts, kinds = own_motions(8 * len(KINDS), np.random.default_rng(7))
         weights = np.array([each == kind for each in kinds], float)
-        local = joints - (joints[:, 1:2] + joints[:, 5:6]) / 2
+        local = of_reference(joints - joints[:, :1], starts)
         found[f"own: {kind}"] = Motions.of(local, joints[:, 0], starts, weights)
     return found
 

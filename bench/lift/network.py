@@ -15,12 +15,6 @@ Weights: TypeAlias = dict[str, Any]
 WIDTH, BLOCKS = 512, 2
 _SEEN_NOW = slice(MIDDLE * len(POINTS) * 2, (MIDDLE + 1) * len(POINTS) * 2)
 _SHOULDERS = [POINTS.index("right_shoulder"), POINTS.index("left_shoulder")]
-_BONES = [(n, LIFTED.index(parent)) for n, parent in enumerate((
-    "left_hip", "right_hip", "right_knee", "right_ankle",
-    "neck", "left_hip", "left_knee", "left_ankle",
-    "neck", "neck", "right_shoulder", "right_elbow", "neck", "left_shoulder", "left_elbow",
-    "left_hip",
-))]  # fmt: skip
 
 
 def initial(seed: int, width: int = WIDTH, blocks: int = BLOCKS) -> Weights:
@@ -61,32 +55,37 @@ def answer(weights: Weights, x: Any) -> tuple[Any, Any]:
     return p, jnp.clip(each[..., 3:], -6, 1) - 2.5
 
 
-def loss(weights: Weights, x: Any, y: Any, bones: float) -> Any:
-    """Laplace's likelihood, the absolute error, and that of bones."""
+def loss(weights: Weights, x: Any, y: Any, apart: Any) -> Any:
+    """Laplace's likelihood, and the absolute error.
+
+    apart: (B,) 1 of windows from which the network learns how far it is off alone, not where joints
+    are: on motion that it has seen it is off by less.
+    """
     p, log_b = answer(weights, x)
     scales = jnp.stack([log_b[..., 0], log_b[..., 0], log_b[..., 1]], -1)
+    seen = 1.0 - apart[:, None, None]
+    fixed = jax.lax.stop_gradient
+    any_apart = apart.sum() > 0
     error = jnp.abs(p - y)
-    total = (error * jnp.exp(-scales) + scales).mean() + 2 * error.mean()
-    if bones:
-        child, parent = (jnp.array(side) for side in zip(*_BONES, strict=True))
-        off = jnp.abs((p[:, child] - p[:, parent]) - (y[:, child] - y[:, parent]))
-        total += bones * off.mean()
-    return total
+    share = jnp.where(any_apart, apart[:, None, None] * len(apart) / apart.sum(), 1.0)
+    said = (share * (fixed(error) * jnp.exp(-scales) + scales)).mean()
+    error = error * seen
+    return said + (error * fixed(jnp.exp(-scales))).mean() + 2 * error.mean()
 
 
-@partial(jax.jit, static_argnames=("bones",), donate_argnums=(0, 1, 2))
+@partial(jax.jit, donate_argnums=(0, 1, 2))
 def step(
     weights: Weights,
     mean: Weights,
     square: Weights,
     x: Any,
     y: Any,
+    apart: Any,
     count: Any,
     rate: Any,
-    bones: float,
 ) -> tuple[Weights, Weights, Weights, Any]:
     """One step of Adam with decay of weights."""
-    value, gradient = jax.value_and_grad(loss)(weights, x, y, bones)
+    value, gradient = jax.value_and_grad(loss)(weights, x, y, apart)
     norm = jnp.sqrt(sum(jnp.sum(g * g) for g in jax.tree.leaves(gradient)))
     gradient = jax.tree.map(lambda g: g * jnp.minimum(1.0, 1.0 / norm), gradient)
     mean = jax.tree.map(lambda m, g: 0.9 * m + 0.1 * g, mean, gradient)

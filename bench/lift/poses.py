@@ -1,4 +1,4 @@
-"""Motions of our own where capture is thin: squats, sitting down, bending, lunges, kneeling, lying.
+"""Motions of our own where capture is thin: squats, sitting down, bending, lunges, lying, leaps.
 
 Feet are planted, legs bend by two links, and the trunk leans so that the body's weight stays over
 the feet; arms do as they like within what joints allow. All values go smoothly from one key to the
@@ -32,7 +32,7 @@ LEG_M = THIGH_M + SHIN_M
 _UPPER_WEIGHT, _UPPER_MIDDLE, _THIGH_WEIGHT = 0.66, 0.6, 0.22
 """Shares of the body's weight, and how far up the trunk that of trunk, head and arms acts."""
 
-KINDS = ("squat", "sit", "bend", "lunge", "kneel", "lie", "lift a leg", "twist")
+KINDS = ("squat", "sit", "bend", "lunge", "kneel", "lie", "lift a leg", "twist", "leap", "tumble")
 
 
 def own_motions(clips: int, rng: np.random.Generator) -> tuple[Array, Array, list[str]]:
@@ -55,15 +55,18 @@ def _motion(kind: str, rng: np.random.Generator) -> Array:
     joints = _body(track, arms.reshape(count, 4, 3), heads, style)
     if kind == "lie":
         joints = _lying(joints, count, rng)
+    if kind == "tumble":
+        joints = _tumbling(joints, count, rng)
     heading = smooth(_key_frames(count, rng, 2.0, 5.0), None, count, rng.normal)
     return joints @ np.swapaxes(_about_y(0.3 * heading), -1, -2)
 
 
-_H, _B, _LEAN, _PELVIS, _TWIST, _SIDE, _ACROSS_ROOT, _FOOT_Z, _FOOT_Y, _ROLL = range(10)
+_H, _B, _LEAN, _PELVIS, _TWIST, _SIDE, _ASIDE, _ROLL = range(8)
+_LEFT, _RIGHT = (8, 9, 10), (11, 12, 13)
 """Of a row: hips' height above the ankles over the leg's length, how far behind the ankles they
 are (m; NaN: where weight balances), the trunk's lean (rad), its share in the pelvis, the shoulders'
-turn against the hips and their lean to the side (rad), the hips' way to the side, the left foot's
-way ahead and up (m), the pelvis' list (rad)."""
+turn against the hips and their lean to the side (rad), the hips' way to the side (m), the pelvis'
+list (rad); each foot's way out, up and ahead (m)."""
 
 
 class _Style:
@@ -85,8 +88,12 @@ def _style(kind: str, rng: np.random.Generator) -> _Style:
     lean = rng.uniform(0.2, 1.1)
 
     def stand(r: np.random.Generator) -> list[float]:
-        return [r.uniform(0.95, 0.998), np.nan, r.normal(0.03, 0.06), 0.6, r.normal(0, 0.12),
-                r.normal(0, 0.05), r.normal(0, 0.02), 0.0, 0.0, r.normal(0, 0.03)]  # fmt: skip
+        row = [0.0] * 14
+        row[_H], row[_B] = r.uniform(0.95, 0.998), np.nan
+        row[_LEAN], row[_PELVIS] = r.normal(0.03, 0.06), 0.6
+        row[_TWIST], row[_SIDE] = r.normal(0, 0.12), r.normal(0, 0.05)
+        row[_ASIDE], row[_ROLL] = r.normal(0, 0.02), r.normal(0, 0.03)
+        return row
 
     def squat(n: int, r: np.random.Generator) -> list[float]:
         row = stand(r)
@@ -131,7 +138,7 @@ def _style(kind: str, rng: np.random.Generator) -> _Style:
         row[_H] = r.uniform(0.0, 0.45)
         row[_B] = -r.uniform(0.05, 0.42)
         row[_LEAN] = r.uniform(-0.1, 1.7 if n % 2 else 0.4)
-        row[_FOOT_Z] = r.uniform(0.0, 0.75) if n % 3 == 0 else 0.0
+        row[_LEFT[2]] = r.uniform(0.0, 0.75) if n % 3 == 0 else 0.0
         return row
 
     def lie(_: int, r: np.random.Generator) -> list[float]:
@@ -139,14 +146,15 @@ def _style(kind: str, rng: np.random.Generator) -> _Style:
         row[_H], row[_B] = r.uniform(0.35, 0.99), r.normal(0, 0.15)
         row[_LEAN] = r.normal(0.1, 0.3)
         row[_TWIST], row[_SIDE] = r.normal(0, 0.3), r.normal(0, 0.15)
-        row[_FOOT_Z], row[_FOOT_Y] = r.normal(0.1, 0.2), r.uniform(0, 0.3)
+        for out, up, ahead in (_LEFT, _RIGHT):
+            row[out], row[up], row[ahead] = r.normal(0, 0.1), r.uniform(0, 0.3), r.normal(0.1, 0.2)
         return row
 
     def lift(n: int, r: np.random.Generator) -> list[float]:
         row = stand(r)
-        row[_ACROSS_ROOT] = -0.09
+        row[_ASIDE] = -0.09
         if n % 2:
-            row[_FOOT_Y], row[_FOOT_Z] = r.uniform(0.05, 0.75), r.uniform(-0.35, 0.55)
+            row[_LEFT[1]], row[_LEFT[2]] = r.uniform(0.05, 0.75), r.uniform(-0.35, 0.55)
             row[_LEAN] = r.normal(0.1, 0.3)
         row[_ROLL] = r.normal(0, 0.1)
         return row
@@ -155,7 +163,17 @@ def _style(kind: str, rng: np.random.Generator) -> _Style:
         row = stand(r)
         row[_H], row[_LEAN] = r.uniform(0.75, 0.98), r.uniform(-0.1, 0.7)
         row[_TWIST], row[_SIDE] = r.normal(0, 0.65), r.normal(0, 0.2)
-        row[_ACROSS_ROOT] = r.normal(0, 0.07)
+        row[_ASIDE] = r.normal(0, 0.07)
+        return row
+
+    def leap(_: int, r: np.random.Generator) -> list[float]:
+        row = stand(r)
+        row[_H], row[_B] = r.uniform(0.75, 0.99), r.normal(0, 0.05)
+        row[_LEAN], row[_PELVIS] = r.normal(0.15, 0.45), r.uniform(0.3, 1.0)
+        row[_TWIST], row[_SIDE], row[_ROLL] = r.normal(0, 0.45), r.normal(0, 0.25), r.normal(0, 0.2)
+        for out, up, ahead in (_LEFT, _RIGHT):
+            row[out], row[ahead] = r.normal(0.1, 0.2), r.normal(0.05, 0.35)
+            row[up] = max(0.0, r.normal(0.15, 0.25))
         return row
 
     table: dict[str, tuple[Callable[..., list[float]], dict[str, object]]] = {
@@ -166,6 +184,8 @@ def _style(kind: str, rng: np.random.Generator) -> _Style:
         "kneel": (kneel, {"pauses": (0.6, 2.0), "back_heel": 0.02}),
         "lie": (lie, {"pauses": (0.6, 2.5)}),
         "lift a leg": (lift, {"pauses": (0.3, 1.2)}),
+        "leap": (leap, {"pauses": (0.15, 0.9)}),
+        "tumble": (leap, {"pauses": (0.2, 1.0)}),
         "twist": (twist, {"pauses": (0.25, 1.2), "width": (0.12, 0.4)}),
     }
     key, how = table[kind]
@@ -241,7 +261,7 @@ def _body(track: Array, arms: Array, heads: Array, style: _Style) -> Array:
     p = np.zeros((count, len(JOINTS), 3))
     at = {name: n for n, name in enumerate(JOINTS)}
     height = track[:, _H] * LEG_M
-    pelvis = np.column_stack([track[:, _ACROSS_ROOT], ANKLE_M + height, -track[:, _B]])
+    pelvis = np.column_stack([track[:, _ASIDE], ANKLE_M + height, -track[:, _B]])
     lean, share = track[:, _LEAN], track[:, _PELVIS]
     R_pelvis = _about_z(track[:, _ROLL]) @ _about_x(lean * share)
     R_chest = _about_x(lean) @ _about_z(track[:, _SIDE]) @ _about_y(track[:, _TWIST])
@@ -257,22 +277,20 @@ def _body(track: Array, arms: Array, heads: Array, style: _Style) -> Array:
     # x is to the body's left: facing z, y up
     for sign, side, arm in ((-1, "r", 0), (1, "l", 2)):
         shoulder = p[:, at["neck"]] + _turned(R_chest, (sign * SHOULDER_M, -0.02, 0))
-        out = arms[:, arm : arm + 2] * [sign, 1, 1]
-        out = out / np.linalg.norm(out, axis=2, keepdims=True)
-        elbow = shoulder + UPPER_ARM_M * np.einsum("nij,nj->ni", R_chest, out[:, 0])
-        wrist = elbow + FOREARM_M * np.einsum("nij,nj->ni", R_chest, out[:, 1])
+        ways = arms[:, arm : arm + 2] * [sign, 1, 1]
+        ways = ways / np.linalg.norm(ways, axis=2, keepdims=True)
+        elbow = shoulder + UPPER_ARM_M * np.einsum("nij,nj->ni", R_chest, ways[:, 0])
+        wrist = elbow + FOREARM_M * np.einsum("nij,nj->ni", R_chest, ways[:, 1])
         for name, value in (("shoulder", shoulder), ("elbow", elbow), ("wrist", wrist)):
             p[:, at[f"{name}_{side}"]] = value
         left = sign > 0
         hip = pelvis + _turned(R_pelvis, (sign * HIP_M, 0, 0))
-        ahead = (style.stride if left else 0.0) + (track[:, _FOOT_Z] if left else 0.0)
-        lifted = track[:, _FOOT_Y] if left else np.zeros(count)
+        out, up, ahead = (track[:, n] for n in (_LEFT if left else _RIGHT))
+        ahead = ahead + (style.stride if left else 0.0)
         back = (style.stride > 0) != left
         heel = style.back_heel if back and style.back_heel else 0.0
-        ankle = np.column_stack([
-            np.full(count, sign * style.half_width), ANKLE_M + heel + lifted,
-            np.zeros(count) + ahead,
-        ])  # fmt: skip
+        aside = sign * (style.half_width + out)
+        ankle = np.column_stack([aside, ANKLE_M + heel + up, ahead])
         turn = sign * style.toes_out[int(left)]
         knee, ankle = _two_links(hip, ankle, sign * style.knees_out[int(left)])
         p[:, at[f"hip_{side}"]], p[:, at[f"knee_{side}"]] = hip, knee
@@ -305,6 +323,15 @@ def _lying(joints: Array, count: int, rng: np.random.Generator) -> Array:
     roll = smooth(keys, rng.integers(0, 4) * np.pi / 2 + rng.normal(0, 0.5, len(keys)), count)
     pitch = -np.pi / 2 + smooth(keys, rng.normal(0, 0.2, len(keys)), count)
     R = _about_x(pitch) @ _about_y(roll)
+    return np.asarray((joints - joints[:, :1]) @ np.swapaxes(R, -1, -2))
+
+
+def _tumbling(joints: Array, count: int, rng: np.random.Generator) -> Array:
+    """The same body turning over in every way."""
+    keys = _key_frames(count, rng, 0.4, 1.5)
+    turns = np.cumsum(rng.normal(0, 1.2, (len(keys), 3)), axis=0) + rng.uniform(-3, 3, 3)
+    pitch, yaw, roll = smooth(keys, turns, count).T
+    R = _about_x(pitch) @ _about_z(roll) @ _about_y(0.5 * yaw)
     return np.asarray((joints - joints[:, :1]) @ np.swapaxes(R, -1, -2))
 
 

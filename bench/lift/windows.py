@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -37,11 +37,17 @@ PARENT = [-1, 0, 1, 2, 3, 0, 5, 6, 7, 0, 9, 10, 11, 10, 13, 14, 10, 16, 17]
 GROUP = [-1, 0, 1, 2, 3, 0, 1, 2, 3, 4, 4, 5, 5, 6, 7, 8, 6, 7, 8]
 """Lengths that change together: hips, thigh, shin, foot, trunk, head, shoulders, upper arm and
 forearm."""
-ADULT = np.array([[0.85, 0.88, 0.88, 0.9, 0.88, 0.8, 0.85, 0.88, 0.92],
-                  [1.3, 1.12, 1.12, 1.5, 1.12, 1.2, 1.15, 1.12, 1.35]], np.float32)  # fmt: skip
-CHILD = np.array([[0.85, 0.72, 0.72, 0.85, 0.95, 1.2, 0.85, 0.75, 0.8],
-                  [1.2, 0.95, 0.95, 1.3, 1.2, 1.8, 1.1, 0.98, 1.15]], np.float32)  # fmt: skip
-"""Least and most of each, over those of the capture."""
+REFERENCE_M = np.array([0.095, 0.42, 0.41, 0.135, 0.51, 0.175, 0.185, 0.295, 0.25], np.float32)
+"""Their lengths in an adult of 172 cm: half of what lies between the hips, and of what lies between
+the shoulders, the trunk from the hips' middle to the shoulders', the head from the neck to the
+middle of the ears. Captures' own skeletons differ by a quarter, most have forearms of 19 cm.
+After D. Winter, *Biomechanics and Motor Control of Human Movement*, figure 4.1 (thigh 0.245, shin
+0.246, trunk 0.288, upper arm 0.172 to the joint, forearm 0.146 of the height)."""
+ADULT = np.array([[0.8, 0.9, 0.9, 0.85, 0.88, 0.85, 0.85, 0.88, 0.88],
+                  [1.2, 1.12, 1.12, 1.5, 1.13, 1.2, 1.12, 1.12, 1.12]], np.float32)  # fmt: skip
+CHILD = np.array([[0.8, 0.75, 0.75, 0.8, 0.95, 1.2, 0.8, 0.75, 0.75],
+                  [1.15, 0.97, 0.97, 1.3, 1.2, 1.8, 1.05, 0.98, 0.98]], np.float32)  # fmt: skip
+"""Least and most of each, over these."""
 CHILDREN = 0.1
 """Share of windows."""
 OFF_M = np.zeros(19, np.float32)
@@ -63,13 +69,15 @@ def held_out(subject: str, clip: str) -> bool:
 @dataclass(frozen=True)
 class Motions:
     """Joints (N, 19, 3) of clips, the hips' middle (N, 3), and of each row that may be the middle
-    of a window its index, first and last of its clip, and how often it is drawn, cumulated."""
+    of a window its index, first and last of its clip, the clip's number, and how often it is drawn,
+    cumulated."""
 
     joints: Array
     root: Array
     rows: Array
     first: Array
     last: Array
+    clip: Array
     drawn: Array
 
     @classmethod
@@ -81,7 +89,8 @@ class Motions:
         first = np.repeat([starts[n] for n in kept], sizes)
         last = np.repeat([starts[n + 1] - 1 for n in kept], sizes)
         weight = np.repeat([weights[n] for n in kept], sizes)
-        return cls(joints, root, rows, first, last, np.cumsum(weight / weight.sum()))
+        clip = np.repeat(kept, sizes)
+        return cls(joints, root, rows, first, last, clip, np.cumsum(weight / weight.sum()))
 
 
 @dataclass(frozen=True)
@@ -108,7 +117,7 @@ class Capture:
             starts = np.append(starts, len(joints))
         joints -= joints[:, :1]
         joints -= (joints[:, 1:2] + joints[:, 5:6]) / 2
-        joints[:, 0] = 0.0
+        joints = of_reference(joints, starts)
         return cls(joints, root, starts, subjects, clips)
 
     def motions(self, kept: list[bool]) -> Motions:
@@ -124,8 +133,47 @@ def own(clips: int, seed: int) -> Motions:
     """Motions of our own."""
     joints, starts, _ = own_motions(clips, np.random.default_rng(seed))
     root = joints[:, 0].copy()
-    joints = joints - (joints[:, 1:2] + joints[:, 5:6]) / 2
+    joints = of_reference(joints - joints[:, :1], starts)
     return Motions.of(joints, root, starts, np.ones(clips))
+
+
+def of_reference(joints: Array, starts: Array) -> Array:
+    """The same motion (N, 19, 3) about the hips' middle, of bodies with the reference's lengths."""
+    joints = joints.copy()
+    joints[:, 0] = 0.0
+    joints[:, 11] = joints[:, 10] + 0.65 * (joints[:, 12] - joints[:, 10])  # skeletons differ there
+    factor = np.empty((len(joints), len(REFERENCE_M)), np.float32)
+    for n in range(len(starts) - 1):
+        clip = slice(starts[n], starts[n + 1])
+        factor[clip] = REFERENCE_M / _lengths(joints[clip])
+    return _stretched(joints, factor)
+
+
+def _lengths(p: Array) -> Array:
+    """Of a clip (N, 19, 3), as `REFERENCE_M`."""
+
+    def way(a: Array, b: Array) -> float:
+        return float(np.median(np.linalg.norm(a - b, axis=-1)))
+
+    def sides(a: int, b: int) -> float:
+        return (way(p[:, a], p[:, b]) + way(p[:, a + 4 - (a > 12)], p[:, b + 4 - (b > 12)])) / 2
+
+    trunk = way((p[:, 13] + p[:, 16]) / 2, p[:, 0])
+    return np.array([
+        way(p[:, 1], p[:, 5]) / 2, sides(1, 2), sides(2, 3), sides(3, 4), trunk,
+        way(p[:, 10], p[:, 11]), way(p[:, 13], p[:, 16]) / 2, sides(13, 14), sides(14, 15),
+    ])  # fmt: skip
+
+
+def _stretched(joints: Array, factor: Array) -> Array:
+    """Joints (N, ..., 19, 3) of bodies whose lengths are so many times (N, 9) as long."""
+    factor = factor.reshape(len(joints), *[1] * (joints.ndim - 3), -1, 1)
+    out = np.empty_like(joints)
+    out[..., 0, :] = joints[..., 0, :]
+    for n in range(1, len(JOINTS)):
+        bone = joints[..., n, :] - joints[..., PARENT[n], :]
+        out[..., n, :] = out[..., PARENT[n], :] + bone * factor[..., GROUP[n], :]
+    return out
 
 
 @dataclass(frozen=True)
@@ -139,21 +187,24 @@ class How:
     any_camera: float = 0.1
     alone: float = 0.1
     noise: float = 1.0
-    own_share: float = 0.22
+    own_share: float = 0.33
     children: float = CHILDREN
     proportions: bool = True
 
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """inputs of the network, joints (B, 16, 3) in body sizes in turned axes, body sizes (B,)."""
+    """inputs of the network, joints (B, 16, 3) in body sizes in turned axes, body sizes (B,),
+    the number of each one's clip (B,); what is seen, which of it is, and what is up, as the network
+    is asked."""
 
     inputs: Array
     joints: Array
     size_m: Array
+    clip: Array
     points: Array
     shown: Array
-    up: Array = field(repr=False)
+    up: Array
 
 
 def body_size(p: Array) -> Array:
@@ -175,7 +226,7 @@ def batch(
 ) -> Batch:
     """Windows, so many of each source; rows: which, in place of drawn ones, of a single source."""
     parts = [_windows(motions, count, rng, rows) for motions, count in sources]
-    joints, root, inside = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    joints, root, inside, clip = (np.concatenate([part[k] for part in parts]) for k in range(4))
     if how.mixed_arms or how.mixed_legs:
         joints = _mixed(joints, rng, how)
     flip = rng.random(len(joints)) < 0.5
@@ -184,13 +235,14 @@ def batch(
     root[flip, ..., 0] *= -1
     if how.proportions:
         joints = _resized(joints, rng, how)
-    return _seen(joints, root, inside, rng, how)
+    return _seen(joints, root, inside, clip, rng, how)
 
 
 def _windows(
     motions: Motions, count: int, rng: np.random.Generator, rows: Array | None
-) -> tuple[Array, Array, Array]:
-    """Joints (B, 9, 19, 3) from the hips' middle, that (B, 9, 3), and what is within the clip."""
+) -> tuple[Array, Array, Array, Array]:
+    """Joints (B, 9, 19, 3) from the hips' middle, that (B, 9, 3), what is within the clip (B, 9),
+    and the clip (B,)."""
     if rows is None:
         drawn = np.searchsorted(motions.drawn, rng.random(count))
         rows = np.minimum(drawn, len(motions.rows) - 1)
@@ -207,7 +259,7 @@ def _windows(
         s = share.reshape(*share.shape[:2], *[1] * (values.ndim - 1))
         return np.asarray(values[before] * (1 - s) + values[after] * s)
 
-    return between(motions.joints), between(motions.root), inside
+    return between(motions.joints), between(motions.root), inside, motions.clip[rows]
 
 
 def _axes(lateral: Array, up: Array) -> Array:
@@ -249,13 +301,7 @@ def _resized(joints: Array, rng: np.random.Generator, how: How) -> Array:
         child, CHILD[0] + share * (CHILD[1] - CHILD[0]), ADULT[0] + share * (ADULT[1] - ADULT[0])
     )
     factor = factor * rng.uniform(0.85, 1.1, (rows, 1))
-    factor = factor.astype(np.float32)
-    out = np.empty_like(joints)
-    out[:, :, 0] = joints[:, :, 0]
-    for n in range(1, len(JOINTS)):
-        bone = joints[:, :, n] - joints[:, :, PARENT[n]]
-        out[:, :, n] = out[:, :, PARENT[n]] + bone * factor[:, GROUP[n], None, None]
-    return out
+    return _stretched(joints, factor.astype(np.float32))
 
 
 def _camera(rows: int, rng: np.random.Generator, how: How) -> tuple[Array, Array]:
@@ -292,7 +338,9 @@ def _off_joints(joints: Array, rng: np.random.Generator, how: How) -> Array:
     return np.asarray(seen)
 
 
-def _seen(joints: Array, root: Array, inside: Array, rng: np.random.Generator, how: How) -> Batch:
+def _seen(
+    joints: Array, root: Array, inside: Array, clip: Array, rng: np.random.Generator, how: How
+) -> Batch:
     """What the network is shown of windows, and what it is to answer."""
     rows = len(joints)
     R, away = _camera(rows, rng, how)
@@ -322,7 +370,7 @@ def _seen(joints: Array, root: Array, inside: Array, rng: np.random.Generator, h
     y = (X[:, MIDDLE] - X[:, MIDDLE, :1])[:, TAKEN] / size[:, None, None] @ now
     up = _up(np.einsum("nij,nj->ni", Rs[:, MIDDLE], R[..., 1]), rng, how)
     inputs = encoded(points, shown, up)
-    return Batch(inputs, y.astype(np.float32), size, points, shown, up)
+    return Batch(inputs, y.astype(np.float32), size, clip, points, shown, up)
 
 
 def _up(up: Array, rng: np.random.Generator, how: How) -> Array:
@@ -361,15 +409,28 @@ def _exchange(uv: Array, rng: np.random.Generator) -> None:
         uv[n, moments, left] = kept
 
 
-_HIDDEN = ([1, 2, 3], [2, 3], [5, 6, 7], [6, 7], [10, 11], [13, 14], [11], [14], [8], [3, 7],
-           [2, 3, 6, 7], [1, 2, 3, 5, 6, 7], [10, 11, 13, 14], [3], [7], [8])  # fmt: skip
+_HIDDEN = (
+    [1, 2, 3], [2, 3], [5, 6, 7], [6, 7], [10, 11], [13, 14], [11], [14], [8], [3, 7], [0], [4],
+    [0, 4], [2, 3, 6, 7], [1, 2, 3, 5, 6, 7], [10, 11, 13, 14], [3], [7], [8],
+)  # fmt: skip
 
 
 def _drop(shown: Array, rng: np.random.Generator) -> None:
-    """What is hidden in some moments, or always."""
+    """What is hidden in some moments, or always; frames that are missing, and where films end."""
+    moments = len(OFFSETS_S)
     for n in np.nonzero(rng.random(len(shown)) < 0.2)[0]:
-        first = rng.integers(0, len(OFFSETS_S)) if rng.random() < 0.6 else 0
-        moments = slice(first, first + rng.integers(1, len(OFFSETS_S) + 1))
-        shown[n, moments, _HIDDEN[rng.integers(len(_HIDDEN))]] = False
-    for n in np.nonzero(rng.random(len(shown)) < 0.03)[0]:  # a film of no feet
+        first = rng.integers(0, moments) if rng.random() < 0.6 else 0
+        hidden = slice(first, first + rng.integers(1, moments + 1))
+        shown[n, hidden, _HIDDEN[rng.integers(len(_HIDDEN))]] = False
+    for n in np.nonzero(rng.random(len(shown)) < 0.03)[0]:  # a network that knows no feet
         shown[n, :, [3, 7]] = False
+    for n in np.nonzero(rng.random(len(shown)) < 0.08)[0]:
+        side = rng.integers(3)
+        if side == 0:
+            shown[n, : rng.integers(1, MIDDLE + 1)] = False
+        elif side == 1:
+            shown[n, rng.integers(MIDDLE + 1, moments) :] = False
+        else:
+            missing = rng.random(moments) < 0.4
+            missing[MIDDLE] = False
+            shown[n, missing] = False

@@ -51,7 +51,9 @@ LEAST_VISIBILITY: Final = 0.3
 LONGEST_GAP_S: Final = 0.2
 """Between two frames in which a keypoint is seen, over which it is interpolated."""
 LEAST_POINTS: Final = 4
-"""Seen at a moment; of fewer nothing is said."""
+"""Seen in a frame; of fewer nothing is said."""
+_MOST_AT_ONCE: Final = 2048
+"""Frames, some 100 MB."""
 
 _LOG_SCALE: Final = 2.0
 """Added to the logarithm of a figure's size, which is about −2 for a whole body 4 m away."""
@@ -113,17 +115,20 @@ def lifted(
         return Lifted(keypoints.first_frame, LIFTED, np.empty((0, 16, 3)), np.empty((0, 16, 2)))
     xy, seen = _points(keypoints, camera)
     hips = _hips(xy, seen, times)
+    seen &= np.isfinite(hips).all(axis=1, keepdims=True)
     Rs_turned_camera = turns(hips)
     if camera.telephoto_distance_m is not None:  # lines of sight are parallel
         Rs_turned_camera, xy = np.broadcast_to(np.eye(3), (len(times), 3, 3)), xy - hips[:, None]
     else:
         xy = turned(xy, Rs_turned_camera)
-    windows, shown = _windows(xy, seen, times)
     up = _ups(up_camera, Rs_turned_camera)
-    p_turned, sigma = both_ways(windows, shown, up)
-    known = np.isfinite(hips).all(axis=1) & (shown[:, MIDDLE].sum(axis=1) >= LEAST_POINTS)
-    p_hips = p_turned @ np.nan_to_num(Rs_turned_camera)
-    p_hips[~known] = sigma[~known] = np.nan
+    p_hips = np.full((len(times), len(LIFTED), 3), np.nan)
+    sigma = np.full((len(times), len(LIFTED), 2), np.nan)
+    known = np.nonzero(seen.sum(axis=1) >= LEAST_POINTS)[0]
+    for first in range(0, len(known), _MOST_AT_ONCE):
+        frames = known[first : first + _MOST_AT_ONCE]
+        p_turned, sigma[frames] = both_ways(*_windows(xy, seen, times, frames), up[frames])
+        p_hips[frames] = p_turned @ Rs_turned_camera[frames]
     return Lifted(keypoints.first_frame, LIFTED, p_hips, sigma)
 
 
@@ -135,18 +140,16 @@ def _points(keypoints: Keypoints, camera: Camera) -> tuple[Array, NDArray[np.boo
             f"These keypoints have no {listed(missing)}: only a person's can be lifted into space."
         )
     visible = np.isfinite(keypoints.uv).all(axis=2) & (keypoints.visibility > LEAST_VISIBILITY)
+    # of a telephoto camera the directions all are one, and the places in that plane are the same
+    plane = camera.model_copy(update={"projection": "perspective", "telephoto_distance_m": None})
     xy = np.full((len(keypoints), len(POINTS), 2), np.nan)
     for k, name in enumerate(POINTS):
         parts = ("left_ear", "right_ear") if name == "head" else (name,)
         if all(part in keypoints.names for part in parts):
             at = [keypoints.names.index(part) for part in parts]
             uv = keypoints.uv[:, at].mean(axis=1)
-            rays = camera.model_copy(
-                update={"projection": "perspective", "telephoto_distance_m": None}
-            )
-            xy[:, k] = np.where(
-                visible[:, at].all(axis=1)[:, None], rays.back_project(uv, 1.0)[:, :2], np.nan
-            )
+            shown = visible[:, at].all(axis=1)
+            xy[shown, k] = plane.back_project(uv[shown], 1.0)[:, :2]
     return xy, np.isfinite(xy).all(axis=2)
 
 
@@ -154,12 +157,12 @@ def _hips(xy: Array, seen: NDArray[np.bool_], times: Array) -> Array:
     """The middle of the hips (N, 2), interpolated where one is unseen; NaN far from where both
     are seen."""
     both = seen[:, HIPS].all(axis=1)
-    middle = xy[:, HIPS].mean(axis=1)
+    middle = np.asarray(xy[:, HIPS].mean(axis=1))
     if not both.any():
         return middle
     filled = np.column_stack([np.interp(times, times[both], middle[both, axis]) for axis in (0, 1)])
     nearest = np.abs(times[:, None] - times[both]).min(axis=1)
-    return np.where((nearest <= OFFSETS_S[-1])[:, None], filled, np.nan)
+    return np.asarray(np.where((nearest <= OFFSETS_S[-1])[:, None], filled, np.nan))
 
 
 def turns(hips: Array) -> Array:
@@ -178,9 +181,11 @@ def turned(xy: Array, R_turned_camera: Array) -> Array:
     return np.asarray(rays[..., :2] / rays[..., 2:])
 
 
-def _windows(xy: Array, seen: NDArray[np.bool_], times: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """What is seen (N, 9, 15, 2) around each frame, and which of it is."""
-    moments = times[:, None] + OFFSETS_S
+def _windows(
+    xy: Array, seen: NDArray[np.bool_], times: Array, frames: NDArray[np.intp]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """What is seen (F, 9, 15, 2) around each of F frames, and which of it is."""
+    moments = times[frames, None] + OFFSETS_S
     after = np.clip(np.searchsorted(times, moments), 1, max(1, len(times) - 1))
     before = after - 1
     if len(times) == 1:
@@ -210,7 +215,7 @@ def _ups(up_camera: ArrayLike | None, Rs_turned_camera: Array) -> Array:
         return np.zeros((count, 3))
     up = np.broadcast_to(np.asarray(up_camera, dtype=np.float64), (count, 3))
     up = up / np.linalg.norm(up, axis=1, keepdims=True)
-    return np.nan_to_num(np.einsum("nij,nj->ni", Rs_turned_camera, up))
+    return np.asarray(np.nan_to_num(np.einsum("nij,nj->ni", Rs_turned_camera, up)))
 
 
 # --- what the network is shown, and what it answers
@@ -271,10 +276,10 @@ def both_ways(points: Array, shown: NDArray[np.bool_], up: Array) -> tuple[Array
         encoded(points[:, :, order[:-1]] * mirror[:2], shown[:, :, order[:-1]], up * mirror),
     ]
     count = len(points)
-    outputs = _network().run(np.concatenate(inputs))
+    outputs = _network().run(np.concatenate(inputs).T[:, :, None])
     places, sigmas = [], []
     for output in outputs:
-        rows = output.reshape(2 * count, OUTPUTS)
+        rows = output.reshape(OUTPUTS, 2 * count).T
         p, sigma = decoded(inputs[0], rows[:count])
         p_mirrored, sigma_mirrored = decoded(inputs[1], rows[count:])
         places += [p, p_mirrored[:, order] * mirror]

@@ -189,6 +189,18 @@ def test_hips_that_are_hidden_for_a_moment_are_bridged(truth: Array) -> None:
     assert off_cm(found, truth)[25:28].mean() < 12.0
 
 
+def test_what_is_far_from_any_sight_of_the_hips_is_not_lifted_and_harms_nothing(
+    truth: Array, squat: Lifted
+) -> None:
+    full = seen(truth)
+    visibility = full.visibility.copy()
+    visibility[30:, [NAMES.index("left_hip"), NAMES.index("right_hip")]] = 0.0
+    found = lifted(replace(full, visibility=visibility), CAMERA, times(), UP)
+    assert np.isnan(found.p_hips[45:]).all()
+    assert found.p_hips[:14] == pytest.approx(squat.p_hips[:14], abs=0.02)
+    assert off_cm(found, truth)[:40].mean() < 12.0
+
+
 def test_coco_keypoints_without_toes_are_lifted(truth: Array) -> None:
     full = seen(truth)
     kept = [n for n, name in enumerate(NAMES) if "foot" not in name and "heel" not in name]
@@ -220,7 +232,7 @@ def test_times_that_do_not_rise_with_the_frames_are_refused(
 
 @pytest.mark.skipif(not fast_is_here(ONNX), reason="ONNX Runtime is not installed")
 def test_opencv_and_onnx_runtime_agree() -> None:
-    x = np.random.default_rng(0).normal(size=(7, INPUTS)).astype(np.float32)
+    x = np.random.default_rng(0).normal(size=(INPUTS, 7, 1)).astype(np.float32)
     content = verified(LIFTER)
     by = [open_runtime(LIFTER.file, content, NETWORKS, fast=fast).run(x) for fast in (False, True)]
     for ours, theirs in zip(*by, strict=True):
