@@ -170,7 +170,7 @@ def test_what_is_hidden_is_guessed_and_less_sure(
     uv, visibility = full.uv.copy(), full.visibility.copy()
     for name in ("left_elbow", "left_wrist"):
         k = NAMES.index(name)
-        visibility[:, k] = 0.1
+        visibility[:, k] = 0.05
         uv[:, k] = np.nan if as_hidden == "unseen" else 3.0
         if as_hidden == "unseen":
             visibility[:, k] = 0.0
@@ -228,6 +228,15 @@ def test_times_that_do_not_rise_with_the_frames_are_refused(
 ) -> None:
     with pytest.raises(KeypointError, match="Times of 3 frames"):
         lifted(seen(truth[:3]), CAMERA, wrong)
+
+
+def test_a_motion_that_nobody_makes_is_less_sure(truth: Array, squat: Lifted) -> None:
+    rng = np.random.default_rng(5)
+    limbs = [n for n, name in enumerate(LIFTED) if "hip" not in name and "shoulder" not in name]
+    torn = truth.copy()
+    torn[:, limbs] += rng.normal(0, 0.3, (1, len(limbs), 3))
+    found = lifted(seen(torn), CAMERA, times(), UP)
+    assert np.median(found.sigma) > 1.3 * np.median(squat.sigma)
 
 
 @pytest.mark.skipif(not fast_is_here(ONNX), reason="ONNX Runtime is not installed")
