@@ -21,10 +21,9 @@ def main() -> None:
     calibrate.add_argument("capture", type=Path)
     measure = commands.add_parser("measure", help="print figures of the network in the package")
     measure.add_argument("--capture", type=Path, help="mocap_30hz.npz")
-    measure.add_argument("--films", type=Path, help="folder of clips with markers")
     measure.add_argument(
-        "--session", action="append", default=[], metavar="CLIP=FOLDER",
-        help="a session of `keypose draft` of a clip's film",
+        "--film", nargs=2, type=Path, action="append", default=[], metavar=("CLIP", "SESSION"),
+        help="a folder with a film and markers, and what `keypose draft` wrote of the film",
     )  # fmt: skip
     given = parser.parse_args()
     # each needs packages that others do not
@@ -45,8 +44,7 @@ def main() -> None:
     else:
         from bench.lift.measure import measure as measured
 
-        sessions = {name: Path(folder) for name, folder in (s.split("=", 1) for s in given.session)}
-        measured(given.capture, given.films, sessions)
+        measured(given.capture, [(clip, session) for clip, session in given.film])
 
 
 if __name__ == "__main__":

@@ -18,19 +18,19 @@ ROWS = 1500
 NOMINAL = np.linspace(0.1, 0.9, 9)
 
 
-def measure(capture: Path | None, films: Path | None, sessions: dict[str, Path]) -> None:
-    """Print all tables for which there is material."""
+def measure(capture: Path | None, films: list[tuple[Path, Path]]) -> None:
+    """Print all tables for which there is material; films: of each the folder of its clip, and that
+    of a session with its keypoints."""
     if capture is not None:
         print("Windows of motion that was left out; mm of a person of each one's size")
         print(f"{'':30}{'up':8} mean across along  inside 1 σ   ECE")
         for name, motions in left_out(capture).items():
             for up in (1.0, 0.0):
                 _of_windows(name, motions, up)
-    for name, session in sessions.items():
-        assert films is not None
-        read = Film.of_person if name == "person" else Film.read
-        film = read(session, films / name)
-        print(f"\n{name}: {film.kept.sum()} frames")
+    for clip, session in films:
+        read = Film.read if (clip / "mocap.json").is_file() else Film.of_person
+        film = read(session, clip)
+        print(f"\n{clip.name}: {film.kept.sum()} frames")
         print(HEAD)
         print(compared("BlazePose's depth", film.of_network(), film.truth))
         for label, up in (("lifted, up known", film.up), ("lifted", None)):

@@ -221,38 +221,58 @@ def _balanced(rows: Array) -> Array:
 
 def _arms(row: Array, rng: np.random.Generator) -> Array:
     """Directions of upper arm and forearm, right then left, (4, 3): out, up, ahead of the trunk."""
-    both = rng.random() < 0.6
-    how, first = rng.integers(6), []
-    lean = row[_LEAN]
-    for _ in range(2):
-        if not both:
-            how = rng.integers(6)
-        if how == 0:  # hanging
-            upper, bend = np.array([0.15, -np.cos(lean), np.sin(lean)]), rng.uniform(0, 0.5)
-        elif how == 1:  # stretched ahead
-            upper, bend = np.array([0.1, rng.normal(-0.1, 0.3), 1.0]), rng.uniform(0, 0.7)
-        elif how == 2:  # hands on hips, thighs or chest
-            upper, bend = np.array([0.5, -1.0, rng.normal(0.0, 0.4)]), rng.uniform(0.6, 2.2)
-        elif how == 3:  # overhead
-            upper, bend = (
-                np.array([rng.uniform(0, 0.6), 1.0, rng.normal(0.1, 0.2)]),
-                rng.uniform(0, 1.2),
-            )
-        elif how == 4:  # aside
-            upper, bend = (
-                np.array([1.0, rng.normal(0, 0.3), rng.normal(0.1, 0.3)]),
-                rng.uniform(0, 1.6),
-            )
-        else:
-            upper, bend = rng.normal([0.3, -0.3, 0.4], 0.7), rng.uniform(0, 2.3)
-        upper = _unit(upper + rng.normal(0, 0.12, 3))
-        towards = np.array([rng.normal(-0.5, 0.5), rng.normal(0.4, 0.6), 0.8])
-        aside = _unit(towards - (towards @ upper) * upper)
-        first += [upper, np.cos(bend) * upper + np.sin(bend) * aside]
+    if rng.random() < 0.3:
+        return _hands_at(*_places_of_hands(rng), rng)
+    both, how = rng.random() < 0.6, rng.integers(6)
+    first = _arm(how, row[_LEAN], rng)
     if both:
-        shake = rng.normal(0, 0.08, (2, 3))
-        first[2:] = [_unit(first[k] + shake[k]) for k in (0, 1)]
-    return np.array(first)
+        shaken = first + rng.normal(0, 0.08, (2, 3))
+        return np.concatenate([first, shaken / np.linalg.norm(shaken, axis=1, keepdims=True)])
+    return np.concatenate([first, _arm(rng.integers(6), row[_LEAN], rng)])
+
+
+def _arm(how: int, lean: float, rng: np.random.Generator) -> Array:
+    """Hanging, stretched ahead, bent at the side, overhead, aside, or anyhow."""
+    upper, bend = (
+        (np.array([0.15, -np.cos(lean), np.sin(lean)]), rng.uniform(0, 0.5)),
+        (np.array([0.1, rng.normal(-0.1, 0.3), 1.0]), rng.uniform(0, 0.7)),
+        (np.array([0.5, -1.0, rng.normal(0.0, 0.4)]), rng.uniform(0.6, 2.2)),
+        (np.array([rng.uniform(0, 0.6), 1.0, rng.normal(0.1, 0.2)]), rng.uniform(0, 1.2)),
+        (np.array([1.0, rng.normal(0, 0.3), rng.normal(0.1, 0.3)]), rng.uniform(0, 1.6)),
+        (rng.normal([0.3, -0.3, 0.4], 0.7), rng.uniform(0, 2.3)),
+    )[how]
+    upper = _unit(upper + rng.normal(0, 0.12, 3))
+    towards = np.array([rng.normal(-0.5, 0.5), rng.normal(0.4, 0.6), 0.8])
+    aside = _unit(towards - (towards @ upper) * upper)
+    return np.array([upper, np.cos(bend) * upper + np.sin(bend) * aside])
+
+
+def _places_of_hands(rng: np.random.Generator) -> tuple[Array, Array]:
+    """Right and left hand from between the shoulders (left, up, ahead), m: together or on a bar or
+    a club, on the hips, at the head."""
+    kind = rng.random()
+    if kind < 0.7:
+        middle = np.array([rng.normal(0, 0.12), rng.uniform(-0.5, 0.3), rng.uniform(0.15, 0.5)])
+        apart = _unit(rng.normal([1.0, 0, 0], 0.4)) * rng.uniform(0.02, 0.25)
+        return middle - apart / 2, middle + apart / 2
+    place = (0.2, -0.42, 0.03) if kind < 0.85 else (0.1, 0.2, 0.08)
+    right, left = np.array(place) * [-1, 1, 1], np.array(place)
+    return right + rng.normal(0, 0.04, 3), left + rng.normal(0, 0.04, 3)
+
+
+def _hands_at(right: Array, left: Array, rng: np.random.Generator) -> Array:
+    """Directions as of `_arms` of arms whose hands are there, or as near as they reach."""
+    elbows, found = rng.normal([0.5, -1.0, -0.2], 0.3), []
+    for sign, hand in ((-1, right), (1, left)):
+        way = np.array([sign * hand[0] - SHOULDER_M, hand[1], hand[2]])
+        reach = np.clip(np.linalg.norm(way), 0.12, 0.99 * (UPPER_ARM_M + FOREARM_M))
+        along = _unit(way)
+        aside = _unit(elbows - (elbows @ along) * along)
+        cosine = (UPPER_ARM_M**2 + reach**2 - FOREARM_M**2) / (2 * UPPER_ARM_M * reach)
+        cosine = np.clip(cosine, -1.0, 1.0)
+        upper = cosine * along + np.sqrt(1 - cosine**2) * aside
+        found += [upper, _unit(along * reach - UPPER_ARM_M * upper)]
+    return np.array(found)
 
 
 def _body(track: Array, arms: Array, heads: Array, style: _Style) -> Array:

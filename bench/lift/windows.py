@@ -41,8 +41,9 @@ REFERENCE_M = np.array([0.095, 0.42, 0.41, 0.135, 0.51, 0.175, 0.185, 0.295, 0.2
 """Their lengths in an adult of 172 cm: half of what lies between the hips, and of what lies between
 the shoulders, the trunk from the hips' middle to the shoulders', the head from the neck to the
 middle of the ears. Captures' own skeletons differ by a quarter, most have forearms of 19 cm.
-After D. Winter, *Biomechanics and Motor Control of Human Movement*, figure 4.1 (thigh 0.245, shin
-0.246, trunk 0.288, upper arm 0.172 to the joint, forearm 0.146 of the height)."""
+Thigh, shin and forearm after D. Winter, *Biomechanics and Motor Control of Human Movement*, figure
+4.1 (0.245, 0.246 and 0.146 of the height); the trunk's lengths are between that and those of models
+that are fitted to markers, wider and longer by some per cent."""
 ADULT = np.array([[0.8, 0.9, 0.9, 0.85, 0.88, 0.85, 0.85, 0.88, 0.88],
                   [1.2, 1.12, 1.12, 1.5, 1.13, 1.2, 1.12, 1.12, 1.12]], np.float32)  # fmt: skip
 CHILD = np.array([[0.8, 0.75, 0.75, 0.8, 0.95, 1.2, 0.8, 0.75, 0.75],
