@@ -16,6 +16,8 @@ from keypose.tracker.keypoints.lifting import answers, both_ways, lifted, spread
 
 ROWS = 1500
 NOMINAL = np.linspace(0.1, 0.9, 9)
+WITHIN_ONE = 1 - np.exp(-np.sqrt(2))
+"""Share of Laplace's distribution within one standard deviation."""
 
 
 def measure(capture: Path | None, films: list[tuple[Path, Path]]) -> None:
@@ -41,17 +43,17 @@ def measure(capture: Path | None, films: list[tuple[Path, Path]]) -> None:
 
 
 def calibrate(capture: Path) -> None:
-    """Print the factors of `lifting.combined` that are likeliest on captured motion that was left
-    out, and of each motion the share within one deviation with those of all others."""
+    """Print the factors of `lifting.combined` that fit captured motion that was left out, and of
+    each motion the share of errors within one deviation with the factors of all others."""
     seen = {
         name: _answered(motions)
         for name, motions in left_out(capture).items()
         if not name.startswith("own")
     }
-    own, disagreement = _likeliest(list(seen.values()))
+    own, disagreement = _fitted(list(seen.values()))
     print(f"OWN_SIGMA, SPREAD_SIGMA = {_pair(own)}, {_pair(disagreement)}")
     for name, here in seen.items():
-        factors = _likeliest([each for other, each in seen.items() if other != name])
+        factors = _fitted([each for other, each in seen.items() if other != name])
         sigma = np.hypot(factors[0] * here.said, factors[1] * here.disagreement)
         share = here.off / sigma[..., [0, 0, 1]]
         inside = (share[..., :2] < 1).mean(), (share[..., 2] < 1).mean()
@@ -80,19 +82,17 @@ def _answered(motions: Motions) -> Answered:
     return Answered(*(np.concatenate(each)[:, 1:] for each in (off, said, apart)))
 
 
-def _likeliest(groups: list[Answered]) -> tuple[Array, Array]:
-    """Factors of what is said and of disagreement, (2,) and (2,), by Laplace's likelihood, each
-    group counting alike."""
+def _fitted(groups: list[Answered]) -> tuple[Array, Array]:
+    """Factors of what is said and of disagreement, (2,) and (2,), with which the share of errors
+    within one deviation is nearest to Laplace's 76 % in every group."""
 
     def cost(logarithms: Array, axes: list[int], kind: int) -> float:
         own, disagreement = np.exp(logarithms)
         total = 0.0
         for each in groups:
-            sigma = np.hypot(
-                own * each.said[..., kind], disagreement * each.disagreement[..., kind]
-            )
-            b = sigma[..., None] / np.sqrt(2)
-            total += (np.log(b) + each.off[..., axes] / b).mean()
+            said, apart = each.said[..., kind], each.disagreement[..., kind]
+            sigma = np.hypot(own * said, disagreement * apart)[..., None]
+            total += ((each.off[..., axes] < sigma).mean() - WITHIN_ONE) ** 2
         return total / len(groups)
 
     best = [

@@ -294,7 +294,7 @@ def answers(points: Array, shown: NDArray[np.bool_], up: Array) -> tuple[Array, 
     return np.array(places), np.array(sigmas)
 
 
-OWN_SIGMA, SPREAD_SIGMA = (1.0, 1.0), (0.7, 0.5)
+OWN_SIGMA, SPREAD_SIGMA = (0.97, 0.95), (1.0, 1.03)
 """How many times what the networks say of their deviation counts, and how many their disagreement,
 across the line of sight and along it: by `python -m bench.lift calibrate` on motion that was left
 out of the training."""
