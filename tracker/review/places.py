@@ -16,6 +16,7 @@ from keypose.tracker.review.problems import Problem, problems_of
 from keypose.tracker.review.segment_errors import (
     IN_DOUBT,
     LEAST_PX,
+    depth_errors_m,
     part_errors_px,
     right_error_px,
 )
@@ -200,7 +201,10 @@ def _tracked_place(
     px: float | None,
 ) -> Place | None:
     """A place of the tracked motion; None where the body is behind the camera."""
-    return _place(known, track.trajectory.pose(frame), why, frame, part, frames, px)
+    place = _place(known, track.trajectory.pose(frame), why, frame, part, frames, px)
+    if place is None or px is None:
+        return place
+    return replace(place, cm=known.error_cm(track, frame, part, px))
 
 
 def _place(
@@ -280,11 +284,12 @@ def _mean(known: JudgedSegments) -> tuple[float | None, float | None]:
         errors = part_errors_px(track)
         if errors is None or len(errors) < 3:
             continue
-        inside = errors[1:-1]
+        inside, depths = errors[1:-1], depth_errors_m(track)
         px.append(inside[inside > 0])
         scale = known.px_per_m(track, (track.first + track.last) // 2, None)
         if scale is not None:
-            cm.append(100 * px[-1] / scale)
+            along_m = 0.0 if depths is None else depths[1:-1][inside > 0]
+            cm.append(100 * np.hypot(px[-1] / scale, along_m))
     if not px:
         return None, None
     mean_cm = float(np.concatenate(cm).mean()) if cm and not known.guessed else None

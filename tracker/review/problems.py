@@ -255,10 +255,9 @@ def _sized(known: JudgedSegments, track: SegmentResult, found: Problem) -> Probl
             found = replace(found, part=known.name(index), px=float(errors[row, index]))
     elif track.diagnostics.expected_gain is not None and found.part is None:
         found = replace(found, px=float(body_error_px(track)[row]))
-    scale = known.px_per_m(track, found.frame, found.part)
-    if found.px is None or scale is None or known.guessed:
+    if found.px is None:
         return found
-    return replace(found, cm=100 * found.px / scale)
+    return replace(found, cm=known.error_cm(track, found.frame, found.part, found.px))
 
 
 def _answered(known: JudgedSegments, found: Problem) -> Problem:

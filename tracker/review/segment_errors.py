@@ -87,6 +87,15 @@ def part_errors_px(track: SegmentResult) -> Array | None:
     return np.where(np.isfinite(known), known, -np.inf)
 
 
+def depth_errors_m(track: SegmentResult) -> Array | None:
+    """(n + 1, P) as `Diagnostics.expected_depth`, 0 where nothing is known; None where that is so
+    of all."""
+    expected = track.diagnostics.expected_depth
+    if expected is None or not track.finished:
+        return None
+    return np.asarray(np.nan_to_num(track.where_tracked(expected)))
+
+
 def right_error_px(track: SegmentResult) -> float | None:
     """Pixels by which joints that are right are expected to be off; None where none is observed."""
     errors = part_errors_px(track)

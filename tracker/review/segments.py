@@ -21,7 +21,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import NEAR_M
-from keypose.tracker.review.segment_errors import gain
+from keypose.tracker.review.segment_errors import depth_errors_m, gain
 from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.fingerprints import ById
@@ -138,6 +138,18 @@ class JudgedSegments:
         assert self.camera is not None
         camera = self.camera if self.path is None else self.path.camera_at(self.camera, frame)
         return math.sqrt(camera.fx * camera.fy) / depth
+
+    def error_cm(
+        self, track: SegmentResult, frame: int, part: str | None, px: float
+    ) -> float | None:
+        """Centimetres in space by which a part is expected to be off that is off by so many pixels
+        in the picture; None where distances are a guess, or nobody knows."""
+        scale = self.px_per_m(track, frame, part)
+        if scale is None or self.guessed:
+            return None
+        depths = depth_errors_m(track)
+        along_m = 0.0 if depths is None else float(depths[frame - track.first, self.index(part)])
+        return 100 * math.hypot(px / scale, along_m)
 
     def height_px(self, track: SegmentResult) -> float | None:
         """Return how tall the body is in the picture in the middle of a segment; None where nobody

@@ -267,6 +267,7 @@ def joint_evidence(
         _drift_by_part(free, best)[:, anchors.parts] / height,
         height,
         keyed,
+        anchors.depth_sigma_m,
     )
 
 

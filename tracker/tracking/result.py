@@ -96,6 +96,8 @@ class Diagnostics:
         `keypose.tracker.tracking.diagnostics.expected_gain`; None where that is not known of any.
     expected_error: (N, P) pixels of the video by which the joint at a part's far end is expected to
         be off, see `keypose.tracker.tracking.cues.joint_evidence`; NaN where no keypoint was seen.
+    expected_depth: (N, P) metres along the view, from the middle of the hips, the same; NaN where
+        no depth was lifted.
     """
 
     rank: NDArray[np.int64] = field(metadata=_layout("step", dtype="<i8"))
@@ -106,6 +108,9 @@ class Diagnostics:
         default=None, metadata=_layout("frame", stored_as="need", optional=True)
     )
     expected_error: Array | None = field(
+        default=None, metadata=_layout("frame", "part", optional=True)
+    )
+    expected_depth: Array | None = field(
         default=None, metadata=_layout("frame", "part", optional=True)
     )
 

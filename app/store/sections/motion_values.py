@@ -66,9 +66,8 @@ def _row(
     known: JudgedSegments, track: SegmentResult, px: float, part: int, row: int
 ) -> dict[str, Json]:
     name, frame = known.parts[part], track.first + row
-    scale = known.px_per_m(track, frame, name)
-    cm = None if scale is None or known.guessed else round(100 * px / scale, 2)
-    return {"part": name, "frame": frame, "px": round(px, 2), "cm": cm}
+    cm = known.error_cm(track, frame, name, px)
+    return {"part": name, "frame": frame, "px": round(px, 2), "cm": _rounded(cm)}
 
 
 def segments(app_state: AppState) -> Json:

@@ -52,7 +52,7 @@ FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
 
 
-BY_FRAME = ("uv", "scale", "depth", "depth_scale", "visibility", "by_hand")
+BY_FRAME = ("uv", "scale", "depth", "depth_scale", "visibility", "by_hand", "depth_sigma_m")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +67,7 @@ class Anchors:
     joints, by_hand (N, K): the points without the detector's offset, and 1/σ of where a person set
     them, 0 where nobody did; `scale` is 0 there.
     exchanged: left and right of some frames were exchanged against what the detector says.
+    depth_sigma_m (N, K): the detector's own, of depths that were lifted; NaN of others.
     """
 
     points: BodyPoints
@@ -79,6 +80,7 @@ class Anchors:
     height_px: float
     joints: BodyPoints
     by_hand: Array
+    depth_sigma_m: Array
     exchanged: bool = False
 
     def terms(self, camera: Camera, kernel: Kernel, frames: slice | int) -> tuple[Term, ...]:
@@ -272,8 +274,16 @@ def _anchors(
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND_SHARE * height)
     return Anchors(
-        where, parts, uv, scale, depth, depth_scale * detected, visibility, height, joints, exact
-    )
+        where, parts, uv, scale, depth, depth_scale * detected, visibility, height, joints, exact,
+        _sigmas_m(seen, index),
+    )  # fmt: skip
+
+
+def _sigmas_m(seen: Keypoints, index: NDArray[np.int64]) -> Array:
+    """(N, K) of depths that were lifted; NaN of others."""
+    if seen.depth_sigma_m is None:
+        return np.full((len(seen), len(index)), np.nan)
+    return seen.depth_sigma_m[:, index]
 
 
 def _offsets(
@@ -316,8 +326,6 @@ def _depths(
     missing = np.where(np.isfinite(missing), missing, missing[::-1])  # one keyframe may not show it
     share = np.linspace(0.0, 1.0, len(z))[:, None]
     depth = z + (1 - share) * missing[0] + share * missing[1]
-    known, sigma_m = np.isfinite(depth), np.full(depth.shape, KEYPOINT_DEPTH_M)
-    if seen.depth_sigma_m is not None:
-        own_m = seen.depth_sigma_m[:, index]
-        sigma_m = np.where(np.isfinite(own_m), np.maximum(own_m, LEAST_DEPTH_M), sigma_m)
+    known, own_m = np.isfinite(depth), _sigmas_m(seen, index)
+    sigma_m = np.where(np.isfinite(own_m), np.maximum(own_m, LEAST_DEPTH_M), KEYPOINT_DEPTH_M)
     return np.where(known, depth, 0.0), np.where(known, 1 / sigma_m, 0.0)

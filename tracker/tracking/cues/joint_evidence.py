@@ -76,6 +76,10 @@ KEYED_ERROR = 0.0075
 """Nor is a keyframe doubted where pictures do not contradict the motion beside it: in no good
 segment of 185 between right keyframes, and in 9 of 21 beside a keyframe with a limb turned by 30°.
 """
+MEDIAN_OF_SIGMA: Final = 0.674
+"""Half of what is distributed normally is off by less. Of three films with truth in space, none of
+which the network was trained on, the median measured in space is 0.6 to 1.1 times what is told
+along the view, in every band from 25 to 200 mm."""
 UNKNOWN = 0.05
 """How far a joint is taken to be from its keypoint where there is none."""
 
@@ -89,6 +93,8 @@ class JointEvidence:
     drift (N, K): how far brightness leads from the motion in one step, at the part's worst mark.
     height_px: of the body, in pixels of the pictures worked on.
     keyed: rows that are keyframes.
+    depth_sigma_m (N, K): of how far a joint is from the hips along the view; NaN where no depth was
+        lifted.
     """
 
     parts: NDArray[np.int64]
@@ -98,6 +104,7 @@ class JointEvidence:
     drift: Array
     height_px: float
     keyed: tuple[int, ...] = (0, -1)
+    depth_sigma_m: Array | None = None
 
     @property
     def error(self) -> Array:
@@ -131,11 +138,21 @@ class JointEvidence:
     def expected_error(self, parts: int) -> Array:
         """(N, P) shares of the body's height by which a part's worst joint is expected to be off;
         NaN for parts that carry none."""
-        error = self.error
-        expected = np.full((len(error), parts), np.nan)
+        return self._of_parts(self.error, parts)
+
+    def expected_depth_m(self, parts: int) -> Array | None:
+        """(N, P) metres along the view by which a part's worst joint is expected to be off, the
+        median; NaN for parts that carry none. None where no depth was lifted."""
+        if self.depth_sigma_m is None or not np.isfinite(self.depth_sigma_m).any():
+            return None
+        return self._of_parts(MEDIAN_OF_SIGMA * self.depth_sigma_m, parts)
+
+    def _of_parts(self, of_joints: Array, parts: int) -> Array:
+        """(N, P) the largest of a part's joints."""
+        found = np.full((len(of_joints), parts), np.nan)
         for joint, part in enumerate(self.parts):
-            expected[:, part] = np.fmax(expected[:, part], error[:, joint])
-        return expected
+            found[:, part] = np.fmax(found[:, part], of_joints[:, joint])
+        return found
 
     @property
     def _between(self) -> Array:

@@ -290,14 +290,16 @@ def segment_result(
     """
     judged = isinstance(method, Paper) or method.judged
     seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
-    error = None
+    error = depth = None
     if outcome.joints is not None:
+        depth = outcome.joints.expected_depth_m(scene.skeleton.part_count)
         by_part = outcome.joints.expected_error(scene.skeleton.part_count)
         error = by_part * outcome.joints.height_px * enlarged
     diagnostics = replace(
         seen.diagnostics,
         expected_gain=expected_gain(scene, outcome, seen),
         expected_error=error,
+        expected_depth=depth,
     )
     return SegmentResult(
         trajectory=outcome.trajectory,
