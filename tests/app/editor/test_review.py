@@ -90,6 +90,21 @@ def test_a_place_is_as_many_centimetres_off_as_its_pixels_are_at_its_depth() -> 
     assert np.linalg.norm(uv[1] - uv[0]) == pytest.approx(14.0, rel=0.02)
 
 
+def test_where_depth_is_told_the_centimetres_are_those_of_space() -> None:
+    state = doubting(**ARM_AND_FOOT)
+    before, track = reviewed(state), first_segment(state)
+    depth = np.full((25, state.skeleton.part_count), 0.05)
+    told = replace(track.diagnostics, expected_depth=depth)
+    after_it = reviewed(with_segment(state, replace(track, diagnostics=told)))
+    across, in_space = before.places[0].cm, after_it.places[0].cm
+    assert across is not None
+    assert in_space == pytest.approx(np.hypot(across, 5.0), rel=0.02)
+    assert after_it.places[0].px == before.places[0].px
+    assert before.cm is not None
+    assert after_it.cm is not None
+    assert after_it.cm > before.cm + 1
+
+
 def test_joints_that_are_right_are_no_place_to_look_at() -> None:
     assert named(doubting()) == []
 

@@ -14,6 +14,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
+from keypose.tracker.tracking.cues.joint_evidence import MEDIAN_OF_SIGMA
 from keypose.tracker.tracking.cues.sources import CorrectedKeypoints, GivenKeypoints
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.tracking.segment import Segment
@@ -126,6 +127,18 @@ def test_that_no_keypoints_fit_is_reported() -> None:
 def test_the_same_keypoints_give_the_same_motion() -> None:
     one, other = (_motion(FILM.keypoints, cues=ALL_CUES) for _ in range(2))
     np.testing.assert_array_equal(one.Rs_parent_part, other.Rs_parent_part)
+
+
+def test_a_depth_that_tells_its_deviation_says_how_far_off_joints_may_be_along_the_view() -> None:
+    sigma_m = np.full(FILM.keypoints.visibility.shape, 0.05)
+    (found,) = tracked(_tracker(replace(FILM.keypoints, depth_sigma_m=sigma_m)), cues=ALL_CUES)
+    depth = found.diagnostics.expected_depth
+    assert depth is not None
+    chest, head = (SKELETON.body.index(name) for name in ("chest", "head"))
+    np.testing.assert_allclose(depth[:, chest], MEDIAN_OF_SIGMA * 0.05)
+    assert np.isnan(depth[:, head]).all()
+    (plain,) = tracked(_tracker(FILM.keypoints), cues=ALL_CUES)
+    assert plain.diagnostics.expected_depth is None
 
 
 def test_every_part_with_a_joint_says_what_error_is_expected_and_none_at_keyframes() -> None:
