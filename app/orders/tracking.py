@@ -96,7 +96,8 @@ class TrackOrder:
     )
     cues: tuple[Cue, ...] | None = option(
         _Cues(),
-        "what to track from: brightness, keypoints or both, and silhouette, separated by commas"
+        "what to track from: brightness, keypoints or both, depth, lifted from a second of "
+        "keypoints, and silhouette, separated by commas"
         f"{_OF_SESSION}. Keypoints need a person's body, silhouette that or a static camera; the "
         "published method uses brightness alone",
     )
