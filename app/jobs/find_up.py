@@ -10,7 +10,7 @@ import numpy as np
 from keypose.app.editor.frames import to_world
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
-from keypose.app.words.standing import camera_words
+from keypose.app.words.standing import lines_words
 from keypose.tracker.session import Session
 from keypose.tracker.video import Video
 from keypose.tracker.video.info import MissingFrame
@@ -39,7 +39,10 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
         except MissingFrame:
             continue
     camera = session.view.camera if frame is None else session.camera_at(frame)
-    return up_from_lines(pictures, camera) if pictures else None
+    if not pictures:
+        return None
+    most = session.view.depth_share or 0.0  # two standard deviations of usual lenses
+    return up_from_lines(pictures, camera, most / 2)
 
 
 @dataclass(frozen=True)
@@ -70,5 +73,4 @@ class FindUp(Fit):
         edit = state.editing
         up_world = to_world(edit.doc, self.frame, found.up_camera)
         after = edit.with_step(edit.doc.with_up(up_world), LABEL)
-        words = f"{camera_words(found.up_camera.tolist())}, by upright lines."
-        return replace(state, edit=after), words
+        return replace(state, edit=after), lines_words(found)

@@ -46,7 +46,7 @@ from keypose.app.words.people import (
     found_person_words,
     undrafted_words,
 )
-from keypose.app.words.standing import camera_words
+from keypose.app.words.standing import lines_words
 from keypose.tracker.body.modify import height
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_own
@@ -184,8 +184,7 @@ def _drafted(
         who = WhoIsDrafted(record.frame, record.box)
         if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
             session = session.with_up(lines.up_camera)
-            words = f"{camera_words(lines.up_camera.tolist())}, by upright lines."
-            record = record.with_note(words)
+            record = record.with_note(lines_words(lines))
         session = with_repeats(session, video, *frames)
         report_share = _sender(send, "draft", None)
 

@@ -56,6 +56,19 @@ def test_posts_show_what_is_up(tilt: float, roll: float) -> None:
     assert found.share > 0.5
 
 
+@pytest.mark.parametrize("spread", [0.0, 0.3])
+@pytest.mark.parametrize(("tilt", "roll"), [(0.0, 0.0), (12.0, 1.0), (25.0, -3.0), (-10.0, 5.0)])
+def test_its_deviation_covers_the_truth_by_a_lens_that_is_known_or_is_not(
+    tilt: float, roll: float, spread: float
+) -> None:
+    up = up_of(tilt, roll)
+    wrong = CAMERA.model_copy(update={"fx": 500.0 * (1 + spread), "fy": 500.0 * (1 + spread)})
+    found = up_from_lines([picture(up, slanted=6)], wrong, spread)
+    assert found is not None
+    assert angle_deg(found.up_camera, up) < 2 * np.degrees(found.sigma_rad)
+    assert np.degrees(found.sigma_rad) < 1 + 1.5 * spread * abs(tilt)
+
+
 def test_a_lens_that_bends_lines_is_allowed_for() -> None:
     up = up_of(15.0, 2.0)
     found = up_from_lines([picture(up, BENT)], BENT)
