@@ -1,4 +1,4 @@
-"""`python -m bench.lift train|export|calibrate|measure`: see README.md beside this file."""
+"""`python -m bench.lift train|export|measure`: see README.md beside this file."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ def main() -> None:
     export = commands.add_parser("export", help="write the ONNX file of weights")
     export.add_argument("weights", type=Path)
     export.add_argument("out", type=Path)
-    calibrate = commands.add_parser("calibrate", help="fit how sure it is, and print the factors")
-    calibrate.add_argument("capture", type=Path)
     measure = commands.add_parser("measure", help="print figures of the network in the package")
     measure.add_argument("--capture", type=Path, help="mocap_30hz.npz")
     measure.add_argument(
@@ -37,10 +35,6 @@ def main() -> None:
         from bench.lift.train import load
 
         print(exported(load(given.weights), given.out))
-    elif given.command == "calibrate":
-        from bench.lift.measure import calibrate as calibrated
-
-        calibrated(given.capture)
     else:
         from bench.lift.measure import measure as measured
 

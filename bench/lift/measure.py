@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import minimize
 
 from bench.lift.films import HEAD, Film, compared, taken
 from bench.lift.poses import KINDS, own_motions
 from bench.lift.windows import Batch, Capture, How, Motions, batch, held_out, of_reference
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.lifting import answers, both_ways, lifted, spread
+from keypose.tracker.keypoints.lifting import both_ways, lifted
 
 ROWS = 1500
 NOMINAL = np.linspace(0.1, 0.9, 9)
-WITHIN_ONE = 1 - np.exp(-np.sqrt(2))
-"""Share of Laplace's distribution within one standard deviation."""
 
 
 def measure(capture: Path | None, films: list[tuple[Path, Path]]) -> None:
@@ -40,67 +37,6 @@ def measure(capture: Path | None, films: list[tuple[Path, Path]]) -> None:
             found = lifted(film.keypoints, film.camera, film.times_s, up)
             p, sigma = taken(found.p_hips) * size, taken(found.sigma) * size
             print(compared(label, p[film.kept], film.truth, sigma[film.kept]))
-
-
-def calibrate(capture: Path) -> None:
-    """Print the factors of `lifting.combined` that fit captured motion that was left out, and of
-    each motion the share of errors within one deviation with the factors of all others."""
-    seen = {
-        name: _answered(motions)
-        for name, motions in left_out(capture).items()
-        if not name.startswith("own")
-    }
-    own, disagreement = _fitted(list(seen.values()))
-    print(f"OWN_SIGMA, SPREAD_SIGMA = {_pair(own)}, {_pair(disagreement)}")
-    for name, here in seen.items():
-        factors = _fitted([each for other, each in seen.items() if other != name])
-        sigma = np.hypot(factors[0] * here.said, factors[1] * here.disagreement)
-        share = here.off / sigma[..., [0, 0, 1]]
-        inside = (share[..., :2] < 1).mean(), (share[..., 2] < 1).mean()
-        print(f"{name:30} by the others {inside[0]:4.0%} {inside[1]:4.0%}")
-
-
-def _pair(values: Array) -> str:
-    return f"({values[0]:.2f}, {values[1]:.2f})"
-
-
-@dataclass(frozen=True, eq=False)
-class Answered:
-    """off (N, 15, 3): errors; said (N, 15, 2), disagreement (N, 15, 2): of the networks."""
-
-    off: Array
-    said: Array
-    disagreement: Array
-
-
-def _answered(motions: Motions) -> Answered:
-    parts = [drawn(motions, up) for up in (0.0, 1.0)]
-    found = [answers(each.points, each.shown, each.up) for each in parts]
-    off = [abs(p.mean(axis=0) - each.joints) for (p, _), each in zip(found, parts, strict=True)]
-    said = [sigma.mean(axis=0) for _, sigma in found]
-    apart = [spread(p) for p, _ in found]
-    return Answered(*(np.concatenate(each)[:, 1:] for each in (off, said, apart)))
-
-
-def _fitted(groups: list[Answered]) -> tuple[Array, Array]:
-    """Factors of what is said and of disagreement, (2,) and (2,), with which the share of errors
-    within one deviation is nearest to Laplace's 76 % in every group."""
-
-    def cost(logarithms: Array, axes: list[int], kind: int) -> float:
-        own, disagreement = np.exp(logarithms)
-        total = 0.0
-        for each in groups:
-            said, apart = each.said[..., kind], each.disagreement[..., kind]
-            sigma = np.hypot(own * said, disagreement * apart)[..., None]
-            total += ((each.off[..., axes] < sigma).mean() - WITHIN_ONE) ** 2
-        return total / len(groups)
-
-    best = [
-        np.exp(minimize(cost, np.zeros(2), (axes, kind), method="Nelder-Mead").x)
-        for kind, axes in enumerate(([0, 1], [2]))
-    ]
-    own, disagreement = np.transpose(best)
-    return own, disagreement
 
 
 def left_out(path: Path) -> dict[str, Motions]:

@@ -269,13 +269,12 @@ def decoded(inputs: Tensor, outputs: Tensor) -> tuple[Array, Array]:
 
 
 def both_ways(points: Array, shown: NDArray[np.bool_], up: Array) -> tuple[Array, Array]:
-    """Joints (N, 16, 3) and their deviation (N, 16, 2), in turned axes, of what `encoded` takes."""
-    return combined(*answers(points, shown, up))
+    """Joints (N, 16, 3) and their deviation (N, 16, 2), in turned axes, of what `encoded` takes.
 
-
-def answers(points: Array, shown: NDArray[np.bool_], up: Array) -> tuple[Array, Array]:
-    """Joints (M, N, 16, 3) and their deviations (M, N, 16, 2), by each network of what is seen and
-    of its mirror image."""
+    Joints are the mean of what each network answers to what is seen and to its mirror image. Their
+    deviation is what they say and how far they disagree, which is far where a motion is unlike the
+    training.
+    """
     order = list(OTHER_SIDE)
     mirror = np.array([-1.0, 1.0, 1.0])
     inputs = [
@@ -283,35 +282,16 @@ def answers(points: Array, shown: NDArray[np.bool_], up: Array) -> tuple[Array, 
         encoded(points[:, :, order[:-1]] * mirror[:2], shown[:, :, order[:-1]], up * mirror),
     ]
     count = len(points)
-    outputs = _network().run(np.concatenate(inputs).T[:, :, None])
     places, sigmas = [], []
-    for output in outputs:
+    for output in _network().run(np.concatenate(inputs).T[:, :, None]):
         rows = output.reshape(OUTPUTS, 2 * count).T
         p, sigma = decoded(inputs[0], rows[:count])
         p_mirrored, sigma_mirrored = decoded(inputs[1], rows[count:])
         places += [p, p_mirrored[:, order] * mirror]
         sigmas += [sigma, sigma_mirrored[:, order]]
-    return np.array(places), np.array(sigmas)
-
-
-OWN_SIGMA, SPREAD_SIGMA = (0.97, 0.95), (1.0, 1.03)
-"""How many times what the networks say of their deviation counts, and how many their disagreement,
-across the line of sight and along it: by `python -m bench.lift calibrate` on motion that was left
-out of the training."""
-
-
-def combined(places: Array, sigmas: Array) -> tuple[Array, Array]:
-    """Joints (N, 16, 3) by several answers (M, N, 16, 3), and the deviation (N, 16, 2) of their
-    mean, which grows where they disagree."""
-    said = sigmas.mean(axis=0)
-    return places.mean(axis=0), np.hypot(OWN_SIGMA * said, SPREAD_SIGMA * spread(places))
-
-
-def spread(places: Array) -> Array:
-    """Standard deviation (N, 16, 2) of several answers, across the line of sight and along it."""
-    variance = places.var(axis=0)
-    across = variance[..., :2].mean(axis=-1)
-    return np.asarray(np.sqrt(np.stack([across, variance[..., 2]], axis=-1)))
+    variance = np.var(places, axis=0)
+    apart = np.sqrt(np.stack([variance[..., :2].mean(axis=-1), variance[..., 2]], axis=-1))
+    return np.mean(places, axis=0), np.hypot(np.mean(sigmas, axis=0), apart)
 
 
 @cache

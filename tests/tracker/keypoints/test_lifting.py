@@ -248,6 +248,14 @@ def test_a_motion_that_nobody_makes_is_less_sure(truth: Array, squat: Lifted) ->
     assert np.median(found.sigma) > 1.3 * np.median(squat.sigma)
 
 
+def test_the_network_answers_a_known_input_with_known_numbers() -> None:
+    x = np.sin(np.arange(INPUTS, dtype=float))[:, None, None].astype(np.float32)
+    found = open_runtime(LIFTER.file, verified(LIFTER), NETWORKS, fast=False).run(x)
+    known = ([0.2239726, -0.2522525, -3.359458], [-0.0211648, -0.2021260, -5.024579])
+    for output, numbers in zip(found, known, strict=True):
+        assert output[0, [0, 2, 80], 0, 0] == pytest.approx(numbers, abs=1e-5)
+
+
 @pytest.mark.skipif(not fast_is_here(ONNX), reason="ONNX Runtime is not installed")
 def test_opencv_and_onnx_runtime_agree() -> None:
     x = np.random.default_rng(0).normal(size=(INPUTS, 7, 1)).astype(np.float32)
