@@ -35,8 +35,8 @@ POINTS: Final = (
 )
 """What the network sees; head is the middle of the ears."""
 LIFTED: Final = (*POINTS, "neck")
-"""What it answers with: centres of joints, the base of the toes, the middle of the head and the
-base of the neck, between the shoulders."""
+"""What it answers with: centres of joints, the toes, the middle of the ears, and the base of the
+neck, between the shoulders."""
 OFFSETS_S: Final = np.array([-14, -9, -5, -2, 0, 2, 5, 9, 14]) / 30
 """Of the moments it sees from the one it answers for, seconds."""
 MIDDLE: Final = 4
@@ -48,8 +48,8 @@ OTHER_SIDE: Final = (4, 5, 6, 7, 0, 1, 2, 3, 8, 12, 13, 14, 9, 10, 11, 15)
 
 LEAST_VISIBILITY: Final = 0.1
 """Keypoints less visible are not shown to it. Those of hidden joints are mostly near the truth: a
-walk, squats and a man on a beam come out 4, 0 and 12 mm better with 0.1 than with 0.3, and 2, 2 and
-17 mm worse with 0.6."""
+walk, squats and a man on a beam come out 4, 0 and 8 mm better with 0.1 than with 0.3, and 5, 1 and
+18 mm better than with 0.6."""
 _SAME_S: Final = 1e-4
 """Moments so near are the same."""
 LONGEST_GAP_S: Final = 0.2
@@ -63,8 +63,8 @@ _LOG_SCALE: Final = 2.0
 """Added to the logarithm of a figure's size, which is about −2 for a whole body 4 m away."""
 _ACROSS: Final = 0.38
 """Body sizes across the view, of the root mean square of a figure's points."""
-_FLATTEST, _STEEPEST = -6.0, 1.0
 _LOG_SIGMA: Final = -2.5
+_LEAST, _MOST = -6.0, 1.0
 """Logarithm of a usual deviation in body sizes, and how far from it one may lie."""
 NETWORKS: Final = ("first", "second")
 """Trained alike from other beginnings; where they disagree, neither is to be believed."""
@@ -102,7 +102,8 @@ def lifted(
     """The joints in space of a person whose keypoints these are.
 
     times_s: (N,) of the frames, rising, in seconds; of any rate.
-    up_camera: (3,) or (N, 3) what is up, in the camera's axes; None where that is unknown.
+    up_camera: (3,) or (N, 3) what is up, in the camera's axes; None where it is not known to some
+        4°: 10° off harm more than not to know it.
     KeypointError where keypoints are not those of a person, or times do not fit.
     """
     times = np.asarray(times_s, dtype=np.float64)
@@ -164,8 +165,11 @@ def _hips(xy: Array, seen: NDArray[np.bool_], times: Array) -> Array:
     middle = np.asarray(xy[:, HIPS].mean(axis=1))
     if not both.any():
         return middle
-    filled = np.column_stack([np.interp(times, times[both], middle[both, axis]) for axis in (0, 1)])
-    nearest = np.abs(times[:, None] - times[both]).min(axis=1)
+    at = times[both]
+    filled = np.column_stack([np.interp(times, at, middle[both, axis]) for axis in (0, 1)])
+    after = np.searchsorted(at, times)
+    before, after = np.maximum(after - 1, 0), np.minimum(after, len(at) - 1)
+    nearest = np.minimum(np.abs(times - at[before]), np.abs(times - at[after]))
     return np.asarray(np.where((nearest <= OFFSETS_S[-1])[:, None], filled, np.nan))
 
 
@@ -216,8 +220,9 @@ def _ups(up_camera: ArrayLike | None, Rs_turned_camera: Array) -> Array:
     if up_camera is None:
         return np.zeros((count, 3))
     up = np.broadcast_to(np.asarray(up_camera, dtype=np.float64), (count, 3))
-    up = up / np.linalg.norm(up, axis=1, keepdims=True)
-    return np.asarray(np.nan_to_num(np.einsum("nij,nj->ni", Rs_turned_camera, up)))
+    length = np.linalg.norm(up, axis=1, keepdims=True)
+    unit = np.divide(up, length, out=np.zeros((count, 3)), where=length > 0)
+    return np.asarray(np.nan_to_num(np.einsum("nij,nj->ni", Rs_turned_camera, unit)))
 
 
 # --- what the network is shown, and what it answers
@@ -264,7 +269,7 @@ def decoded(inputs: Tensor, outputs: Tensor) -> tuple[Array, Array]:
     p = each[..., :3].copy()
     p[..., :2] += np.concatenate([seen, neck], axis=1) * scale
     # Laplace's scale times the root of 2 is the standard deviation
-    sigma = np.sqrt(2) * np.exp(np.clip(each[..., 3:], _FLATTEST, _STEEPEST) + _LOG_SIGMA)
+    sigma = np.sqrt(2) * np.exp(np.clip(each[..., 3:], _LEAST, _MOST) + _LOG_SIGMA)
     return p, sigma
 
 

@@ -223,6 +223,16 @@ def test_up_may_differ_from_frame_to_frame(truth: Array, squat: Lifted) -> None:
     assert np.array_equal(found.p_hips, squat.p_hips)
 
 
+@pytest.mark.parametrize("nothing", [0.0, np.nan])
+def test_up_may_be_unknown_in_some_frames(truth: Array, squat: Lifted, nothing: float) -> None:
+    ups = np.tile(UP, (COUNT, 1))
+    ups[10:] = nothing
+    found = lifted(seen(truth), CAMERA, times(), ups)
+    unknown = lifted(seen(truth), CAMERA, times())
+    assert found.p_hips[:10] == pytest.approx(squat.p_hips[:10], abs=1e-5)
+    assert found.p_hips[10:] == pytest.approx(unknown.p_hips[10:], abs=1e-5)
+
+
 def test_keypoints_that_are_no_persons_are_refused() -> None:
     dog = Keypoints(0, ("nose", "tail"), np.zeros((3, 2, 2)), np.ones((3, 2)))
     with pytest.raises(KeypointError, match=r"have no left_shoulder.*only a person's"):
