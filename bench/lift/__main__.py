@@ -13,6 +13,7 @@ def main() -> None:
     train.add_argument("capture", type=Path, help="mocap_30hz.npz")
     train.add_argument("out", type=Path, help="file of weights to write, .npz")
     train.add_argument("--minutes", type=float, default=45.0)
+    train.add_argument("--steps", type=int, default=0, help="in place of minutes")
     train.add_argument("--start", type=Path, help="weights to begin with")
     export = commands.add_parser("export", help="write the ONNX file of weights")
     export.add_argument("weights", type=Path)
@@ -29,7 +30,8 @@ def main() -> None:
         from bench.lift.train import Plan
         from bench.lift.train import train as trained
 
-        trained(given.capture, given.out, Plan(minutes=given.minutes), given.start)
+        plan = Plan(minutes=given.minutes, steps=given.steps)
+        trained(given.capture, given.out, plan, given.start)
     elif given.command == "export":
         from bench.lift.export import export as exported
         from bench.lift.train import load
