@@ -32,7 +32,8 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.contacts import proposed_pins
-from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, solve_space
+from keypose.tracker.space.pinned import PinnedPoint
+from keypose.tracker.space.solve import SpaceProblem, solve_space
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.tracker import Tracker

@@ -174,14 +174,23 @@ FEW_SHARE: Final = 0.015
 
 SEEN_SHARE: Final = 0.003
 """Of where a tracked motion was seen."""
-SEEN_ENDS_WIDER: Final = 4.0
+SEEN_ENDS_WIDER: Final = 8.0
 """How many times wider that is of heel and toe of a foot on the floor."""
+FADE_S: Final = 0.2
+"""For how long before a foot stands and afterwards this fades, seconds."""
+PIN_CHANGE_M_S2: Final = 6.0
+"""Of how evenly a pin's change of the motion comes and goes over that time."""
+KNEE_RAD: Final = np.radians(2.0)
+"""Of a knee about how it was tracked, while its foot is pinned somewhere."""
+TILT_GIVES_RAD: Final = np.radians(0.15)
+"""Of what is up about what it was taken for, where standing feet have their say: a floor tilts by
+some degrees, but all frames have one such residual, beside thousands of others."""
 PIN_M, FLOOR_M = 0.001, 0.0005
 """Of a pinned point about its place, and of that place about the floor. A floor is uneven by
 some millimetres, but all frames of a place have one such residual, beside thousands of others."""
 KEY_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
 """Of a soft keyframe: turns, where it is seen, and its depth, a share of that."""
-EXACT_SEEN_SHARE: Final = 0.0003
+EXACT_SEEN_SHARE: Final = 0.001
 """Of where a keyframe is seen that is soft in depth alone."""
 UNDECIDED_PER_M: Final = 0.03
 """1/σ of a place about where it began, as long as nothing else decides."""

@@ -52,35 +52,64 @@ class AtOnePlace:
 
 
 @dataclass(frozen=True, eq=False)
+class Floor:
+    """A plane whose height along up is the last of the shared unknowns; those before it are by how
+    much it is tilted.
+
+    up_world (3,): unit vector.  ways (T, 3): across up, in which it can tilt, none where up is
+    known.  about (3,): where tilting leaves its height.
+    """
+
+    up_world: Array
+    ways: Array
+    about: Array
+
+    def unknown(self, shared: Array) -> NDArray[np.int64]:
+        """(T + 1,) its own."""
+        return np.arange(len(shared) - len(self.ways) - 1, len(shared))
+
+    def up(self, shared: Array) -> Array:
+        """Unit vector (3,) as tilted."""
+        up = self._leaning(shared)
+        return np.asarray(up / np.linalg.norm(up))
+
+    def height(self, shared: Array) -> float:
+        """Metres along that vector."""
+        up = self._leaning(shared)
+        off = float((up - self.up_world) @ self.about)
+        return (float(shared[-1]) + off) / float(np.linalg.norm(up))
+
+    def _leaning(self, shared: Array) -> Array:
+        return np.asarray(self.up_world + shared[self.unknown(shared)[:-1]] @ self.ways)
+
+    def rows(self, place: Array, shared: Array) -> tuple[float, Array]:
+        """How high a place (3,) is above it, and how that changes with the place and with its own
+        unknowns (3 + T + 1,)."""
+        away = place - self.about
+        up = self._leaning(shared)
+        high = float(self.up_world @ place + (up - self.up_world) @ away - shared[-1])
+        return high, np.concatenate([up, self.ways @ away, [-1.0]])
+
+
+@dataclass(frozen=True, eq=False)
 class OnFloor:
-    """A shared place so far above the floor: (up · c − h − above)/σ, h the last of the shared
-    unknowns."""
+    """A shared place so far above the floor, of which its height is above_m."""
 
     at: int
-    up_world: Array
+    floor: Floor
     above_m: float
     sigma_m: float
 
     def cost(self, posed: Posed, shared: Array) -> float:
-        return 0.5 * float(self._off(shared)[0]) ** 2
+        high, _ = self.floor.rows(shared[self.at : self.at + 3], shared)
+        return 0.5 * ((high - self.above_m) / self.sigma_m) ** 2
 
     def rows(self, posed: Posed, shared: Array) -> SharedRows:
-        unknown = self._unknown(shared)
-        return SharedRows.alone(
-            posed.skeleton.dof_count, self._off(shared), unknown, self._row[None]
-        )
-
-    def _off(self, shared: Array) -> Array:
-        """(1,)"""
-        off = self._row @ shared[self._unknown(shared)] - self.above_m / self.sigma_m
-        return np.array([off])
-
-    @property
-    def _row(self) -> Array:
-        return np.append(self.up_world, -1.0) / self.sigma_m
-
-    def _unknown(self, shared: Array) -> NDArray[np.int64]:
-        return np.array([self.at, self.at + 1, self.at + 2, len(shared) - 1])
+        high, slope = self.floor.rows(shared[self.at : self.at + 3], shared)
+        own = np.arange(self.at, self.at + 3)
+        unknown = np.concatenate([own, self.floor.unknown(shared)])
+        r = np.array([(high - self.above_m) / self.sigma_m])
+        return SharedRows.alone(posed.skeleton.dof_count, r, unknown, slope[None] / self.sigma_m)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,66 +127,82 @@ class Near:
         return SharedRows.alone(posed.skeleton.dof_count, r, unknown, np.diag(self.scale))
 
 
-THIRD = (-1, 3, -3, 1)
-"""Third differences: they leave free flight and steady pushes alone."""
+SECOND, THIRD = (1, -2, 1), (-1, 3, -3, 1)
+"""Differences: third ones leave free flight and steady pushes alone."""
 
 
 @dataclass(frozen=True, eq=False)
-class Jerk:
-    """Third differences of K points' places in one frame, in every direction alike.
+class Differences:
+    """Differences of neighbouring frames' places of K points in one frame, in every direction
+    alike.
 
-    sigma (K,), or (N − 3, K) of every difference: m/s³. Rows and data both grow with the frame
-    rate, so that it does not matter.
+    sigma (K,), or (N − d, K) of every difference, d the stencil's length less one: m/s^d, infinite
+    where it does not count.  wanted (N − d, K, 3): what they are compared with. Rows and data both
+    grow with the frame rate, so that it does not matter.
     """
 
     skeleton: Skeleton
     points: BodyPoints
     sigma: Array
     frames_per_second: float
+    stencil: tuple[int, ...] = THIRD
+    wanted: Array | float = 0.0
 
     def of(self, motion: Trajectory) -> Array:
-        """(N − 3, K, 3) m/s³"""
+        """(N − d, K, 3) m/s^d"""
         places = self.points.at(motion.transforms(self.skeleton))
-        return np.asarray(np.diff(places, 3, axis=0) * self.frames_per_second**3)
+        return np.asarray(np.diff(places, self._order, axis=0) * self._per_s)
 
     def cost(self, motion: Trajectory) -> float:
-        return 0.5 * float(((self.of(motion) / self.sigma[..., None]) ** 2).sum())
+        away = self.of(motion) - self.wanted
+        return 0.5 * float(((away / self.sigma[..., None]) ** 2).sum())
 
     def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
-        """Upper banded (4D, uD) and gradient (u, D) of the u unknown poses."""
+        """Upper banded ((d + 1) D, uD) and gradient (u, D) of the u unknown poses."""
         J, widest = self._rows(motion), self._widest
-        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - 3, 0)
+        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - self._order, 0)
         by_point = np.broadcast_to((widest / self.sigma) ** 2, (m, len(widest)))
         weights = np.repeat(by_point, 3, axis=1)
-        r = weights * (self.of(motion) / widest[:, None]).reshape(m, J.shape[1])
+        away = self.of(motion) - self.wanted
+        r = weights * (away / widest[:, None]).reshape(m, J.shape[1])
         start, stop, _ = unknown.indices(count)
         gradient = np.zeros((count, dofs))
-        for i, share in enumerate(THIRD):
+        for i, share in enumerate(self.stencil):
             gradient[i : i + m] += share * np.einsum("nmd,nm->nd", J[i : i + m], r)
-        banded = np.zeros((len(THIRD) * dofs, (stop - start) * dofs))
-        for off in range(min(len(THIRD), stop - start)):
-            blocks = _products(J, off, weights)
+        banded = np.zeros((len(self.stencil) * dofs, (stop - start) * dofs))
+        for off in range(min(len(self.stencil), stop - start)):
+            blocks = _products(J, off, weights, self.stencil)
             banded = add_coupling_blocks(banded, off, blocks[start : stop - off])
         return banded, gradient[unknown]
 
     @property
+    def _order(self) -> int:
+        return len(self.stencil) - 1
+
+    @property
+    def _per_s(self) -> float:
+        return self.frames_per_second**self._order
+
+    @property
     def _widest(self) -> Array:
-        """(K,) the largest sigma of each point."""
-        return self.sigma if self.sigma.ndim == 1 else self.sigma.max(axis=0)
+        """(K,) the largest finite sigma of each point."""
+        finite = np.where(np.isfinite(self.sigma), self.sigma, 0.0)
+        widest = finite if finite.ndim == 1 else finite.max(axis=0, initial=0.0)
+        return np.asarray(np.where(widest > 0, widest, 1.0))
 
     def _rows(self, motion: Trajectory) -> Array:
         """(N, 3K, D) how the scaled places of every frame move."""
         posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
         _, J = self.points.jacobian(posed)
-        scaled = J * (self.frames_per_second**3 / self._widest)[:, None, None]
+        scaled = J * (self._per_s / self._widest)[:, None, None]
         return np.asarray(np.swapaxes(scaled, -1, -2).reshape(len(J), -1, J.shape[-2]))
 
 
-def _products(J: Array, off: int, weights: Array) -> Array:
-    """(N − off, D, D) JᵀJ of two frames so far apart, over all third differences, which count by
-    weights (N − 3, 3K)."""
+def _products(J: Array, off: int, weights: Array, stencil: tuple[int, ...]) -> Array:
+    """(N − off, D, D) JᵀJ of two frames so far apart, over all differences, which count by weights
+    (N − d, 3K)."""
     count = len(J) - off
     total = np.zeros((count, J.shape[1]))
-    for i in range(len(THIRD) - off):
-        total[i : i + len(weights)] += THIRD[i] * THIRD[i + off] * weights
+    for i in range(len(stencil) - off):
+        total[i : i + len(weights)] += stencil[i] * stencil[i + off] * weights
     return np.asarray(np.swapaxes(total[..., None] * J[:count], 1, 2) @ J[off:])

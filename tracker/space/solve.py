@@ -18,7 +18,7 @@ those between nearly.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -58,6 +58,7 @@ from keypose.tracker.solver.sigmas import (
     DOUBT_FLOOR,
     END_M,
     EXACT_SEEN_SHARE,
+    FADE_S,
     FLOOR_M,
     JERK_M_S3,
     KEY_DEPTH_SHARE,
@@ -65,6 +66,7 @@ from keypose.tracker.solver.sigmas import (
     KEY_SEEN_SHARE,
     LIMIT_RAD,
     OTHER_JERK_M_S3,
+    PIN_CHANGE_M_S2,
     PIN_M,
     SEEN_ENDS_WIDER,
     SEEN_SHARE,
@@ -72,9 +74,10 @@ from keypose.tracker.solver.sigmas import (
     UNDECIDED_PER_M,
 )
 from keypose.tracker.solver.smoothness import Increments, Smoothness, increments
-from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
+from keypose.tracker.solver.space_terms import SECOND, AtOnePlace, Differences, Floor, Near, OnFloor
 from keypose.tracker.solver.terms import Link, SharedTerm, Term
 from keypose.tracker.space.contacts import speed_m_s
+from keypose.tracker.space.pinned import PinnedPoint, knees_as_tracked, near_pins
 from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.parts.limb_keyframes import (
     KeyedParts,
@@ -132,25 +135,6 @@ HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
 
 
-@dataclass(frozen=True)
-class PinnedPoint:
-    """A point of the body that stays at one place from one frame to another, both included.
-
-    above_floor_m: how high that place is above the floor; None where it may be anywhere.
-    """
-
-    part: int
-    p_part: tuple[float, float, float]
-    first_frame: int
-    last_frame: int
-    above_floor_m: float | None = None
-
-    @property
-    def floor(self) -> bool:
-        """Return whether its place is known by the floor."""
-        return self.above_floor_m is not None
-
-
 @dataclass(frozen=True, eq=False)
 class SpaceProblem:
     """What a stretch is solved with.
@@ -160,7 +144,8 @@ class SpaceProblem:
     keyframes: frames whose pose is met exactly; soft: those met nearly; seen: those of these that
         are met exactly in the picture.  keyed_parts: limbs that are exact at other frames.
     smooth: whether jerk counts.  up_world: unit vector.  floor_m: the floor's height along it,
-        where it is known.  path: of the camera over these frames; None where it is the world.
+        where it is known.  tilt_rad: σ of up, which is as known where that is 0.  path: of the
+        camera over these frames; None where it is the world.
     """
 
     skeleton: Skeleton
@@ -176,6 +161,7 @@ class SpaceProblem:
     smooth: bool = True
     up_world: Array = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
     floor_m: float | None = None
+    tilt_rad: float = 0.0
     path: CameraPath | None = None
 
     def in_world(self, motion: Trajectory) -> Trajectory:
@@ -189,13 +175,14 @@ class SpaceSolution:
 
     motion: in the camera frame.  places (Q, 3): where the pins are in the world.  off_m: of each
         pin how far its point is from there at every frame of its range.  floor_m: height of the
-        floor along up; None without pins on it.
+        floor along up; None without pins on it.  up_world: as it was known, or tilted.
     """
 
     motion: Trajectory
     places: Array
     off_m: tuple[Array, ...]
     floor_m: float | None
+    up_world: Array
 
 
 def solve_space(
@@ -205,25 +192,26 @@ def solve_space(
     skeleton = _free(problem)
     start = problem.motion
     pins = [BodyPoints(skeleton, (((pin.part, pin.p_part),),)) for pin in problem.pins]
-    frames = [_rows(start, pin) for pin in problem.pins]
+    frames = [pin.rows(start) for pin in problem.pins]
     there = problem.in_world(start).transforms(skeleton)
     places = [p.at(there[rows])[:, 0].mean(axis=0) for p, rows in zip(pins, frames, strict=True)]
-    shared = _shared(problem, np.array(places).reshape(-1, 3))
+    floor, shared = _shared(problem, np.array(places).reshape(-1, 3))
     poses = MotionProblem(
         skeleton,
         (
             *_seen(problem, skeleton),
             *_keyframes(problem, skeleton),
             *_limbs(problem, skeleton),
+            *knees_as_tracked(skeleton, problem.motion, problem.pins),
             _limits(problem, skeleton),
         ),
         _links(problem, skeleton),
         EVERY,
-        _pinned(problem, pins, frames, shared),
+        _pinned(problem, pins, frames, floor, shared),
     )
     with threadpool_limits(1, "blas"):  # its matrices are small: threads would wait for each other
         found = least_squares(poses, MotionState(start, shared), QUICK, cancelled).state
-    return _solution(problem, skeleton, found, pins, frames)
+    return _solution(problem, skeleton, found, pins, frames, floor)
 
 
 def _solution(
@@ -232,6 +220,7 @@ def _solution(
     found: MotionState,
     pins: list[BodyPoints],
     frames: list[slice],
+    floor: Floor,
 ) -> SpaceSolution:
     """Put exact keyframes and limbs in: what they moved by is rounding."""
     R, t = found.motion.writable()
@@ -249,7 +238,8 @@ def _solution(
         for p, rows, place in zip(pins, frames, places, strict=True)
     ]
     on_floor = any(pin.floor for pin in problem.pins)
-    return SpaceSolution(motion, places, tuple(off), float(found.shared[-1]) if on_floor else None)
+    height = floor.height(found.shared) if on_floor else None
+    return SpaceSolution(motion, places, tuple(off), height, floor.up(found.shared))
 
 
 def _free(problem: SpaceProblem) -> Skeleton:
@@ -266,12 +256,9 @@ def _free(problem: SpaceProblem) -> Skeleton:
     return with_free_parts(skeleton, names)
 
 
-def _rows(motion: Trajectory, pin: PinnedPoint) -> slice:
-    return slice(pin.first_frame - motion.first_frame, pin.last_frame + 1 - motion.first_frame)
-
-
-def _shared(problem: SpaceProblem, places: Array) -> Array:
-    """Places and the floor's height, to begin with."""
+def _shared(problem: SpaceProblem, places: Array) -> tuple[Floor, Array]:
+    """The floor, and places, its tilt and its height, to begin with."""
+    on_floor = [pin.floor for pin in problem.pins]
     heights = [
         place @ problem.up_world - pin.above_floor_m
         for place, pin in zip(places, problem.pins, strict=True)
@@ -280,7 +267,10 @@ def _shared(problem: SpaceProblem, places: Array) -> Array:
     height = problem.floor_m
     if height is None:
         height = float(np.mean(heights)) if heights else 0.0
-    return np.append(places.ravel(), height)
+    ways = np.linalg.svd(problem.up_world[None])[2][1:] if problem.tilt_rad else np.zeros((0, 3))
+    about = places[on_floor].mean(axis=0) if any(on_floor) else np.zeros(3)
+    floor = Floor(problem.up_world, ways, about)
+    return floor, np.concatenate([places.ravel(), np.zeros(len(ways)), [height]])
 
 
 def _height_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
@@ -305,13 +295,16 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
 
 def _wider(problem: SpaceProblem, points: BodyPoints) -> Array:
     """(N, K) how many times less surely each point was seen: heel and toe of a foot on the floor,
-    which say how it stands, follow from how the leg was tracked.
+    which say how it stands, follow from how the leg was tracked; less and less so before it stands
+    and afterwards, as it turns there from how it was tracked to how it stands.
     """
     wider = np.ones((len(problem.motion), len(points.points)))
+    fade = round(FADE_S * problem.frames_per_second)
     for pin in problem.pins:
         own = [k for k, ((part, p),) in enumerate(points.points) if part == pin.part and any(p)]
         if pin.floor:
-            wider[_rows(problem.motion, pin), own] = SEEN_ENDS_WIDER
+            there = 1 + (SEEN_ENDS_WIDER - 1) * pin.nearness(problem.motion, fade)
+            wider[:, own] = np.maximum(wider[:, own], there[:, None])
     return wider
 
 
@@ -395,14 +388,30 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     if problem.smooth and len(motion) > 3:
         rate = problem.frames_per_second
         points, sigma = jerk_points(skeleton, problem.in_world(motion), rate)
-        links.append(Jerk(skeleton, points, sigma, rate))
+        links.append(Differences(skeleton, points, sigma, rate))
+    if problem.pins:
+        links.append(_evenly(problem, skeleton))
     if problem.path is not None:
         links = [LinkIn(link, problem.path.Ts_world_camera) for link in links]
     return (followed, *links)
 
 
+def _evenly(problem: SpaceProblem, skeleton: Skeleton) -> Link:
+    """What a pin changes of the motion comes evenly before it begins, and goes after it ends."""
+    motion, rate = problem.in_world(problem.motion), problem.frames_per_second
+    places, near = near_pins(motion, problem.pins, round(FADE_S * rate))
+    sigma = np.where(near, PIN_CHANGE_M_S2, np.inf)
+    points = BodyPoints(skeleton, tuple((place,) for place in places))
+    change = Differences(skeleton, points, sigma, rate, SECOND)
+    return replace(change, wanted=change.of(motion))
+
+
 def _pinned(
-    problem: SpaceProblem, points: list[BodyPoints], frames: list[slice], shared: Array
+    problem: SpaceProblem,
+    points: list[BodyPoints],
+    frames: list[slice],
+    floor: Floor,
+    shared: Array,
 ) -> tuple[SharedTerm, ...]:
     terms: list[SharedTerm] = []
     for i, (pin, point, rows) in enumerate(zip(problem.pins, points, frames, strict=True)):
@@ -411,8 +420,10 @@ def _pinned(
             at_place = SharedTermIn(at_place, problem.path.Ts_world_camera)
         terms.append(at_place)
         if pin.above_floor_m is not None:
-            terms.append(OnFloor(3 * i, problem.up_world, pin.above_floor_m, FLOOR_M))
+            terms.append(OnFloor(3 * i, floor, pin.above_floor_m, FLOOR_M))
     scale = np.full(len(shared), UNDECIDED_PER_M)
+    if problem.tilt_rad:
+        scale[floor.unknown(shared)[:-1]] = 1 / problem.tilt_rad
     if problem.floor_m is not None:
         scale[-1] = 1e3 / FLOOR_M
     return (*terms, Near(shared, scale))

@@ -17,9 +17,10 @@ from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.pinned import PinnedPoint
 from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
-from keypose.tracker.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
+from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
 
@@ -28,14 +29,21 @@ CONTRADICTS_M = 0.01
 """A pin that is farther off at an exact keyframe contradicts it."""
 
 
-def solved(
-    session: Session, stretch: SegmentRun, cancelled: Callable[[], bool] | None = None
-) -> SpaceResult:
-    """The motion of a stretch in space; where it is cancelled that which was found until then."""
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What the solve of a stretch is given.  held: what its pins hold, as they are in the problem.
+    moments: where the film repeats pictures."""
+
+    problem: SpaceProblem
+    held: tuple[_Held, ...]
+    moments: Moments | None
+
+
+def asked(session: Session, stretch: SegmentRun) -> Asked:
+    """What a session asks of the solve of a stretch."""
     skeleton = Skeleton.of(session.subject.body)
     first, last = stretch.span
     keyframes = keyframes_within(session, first, last)
-    exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
     held = _held(session, stretch.pins)
     keyed = [k for k in keyed_parts(session, skeleton) if first < k.frame < last]
     tracked = joined([segment.trajectory for segment in stretch.segments])
@@ -60,8 +68,18 @@ def solved(
         floor_m=session.world.floor_m,
         path=path,
     )
+    return Asked(problem, tuple(held), moments)
+
+
+def solved(
+    session: Session, stretch: SegmentRun, cancelled: Callable[[], bool] | None = None
+) -> SpaceResult:
+    """The motion of a stretch in space; where it is cancelled that which was found until then."""
+    given = asked(session, stretch)
+    problem, moments, skeleton = given.problem, given.moments, given.problem.skeleton
+    exact = sorted(set(problem.keyframes) - set(problem.soft))
     found = solve_space(problem, cancelled)
-    pins = tuple(_pin_results(stretch.pins, held, found, exact))
+    pins = tuple(_pin_results(stretch.pins, given.held, found, exact))
     up = None if session.world.up_world is None else up_of(session)
     in_world = problem.in_world(found.motion)
     rate = problem.frames_per_second
@@ -85,7 +103,7 @@ def solved(
     )
     motion = found.motion
     if moments is not None:
-        motion = _changed_in_world(path, motion, moments.shown)
+        motion = _changed_in_world(problem.path, motion, moments.shown)
     return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -14,12 +14,14 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
+from keypose.tracker.solver.sigmas import TILT_GIVES_RAD
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.level import leaning_rad, up_from_standing
 from keypose.tracker.space.soles import by_contact, foot_heights
+from keypose.tracker.space.solve import SpaceProblem, solve_space
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.outdated import outdated_words
-from keypose.tracker.storage.space import frames_per_second, solved, up_of
+from keypose.tracker.storage.space import asked, frames_per_second, up_of
 from keypose.tracker.storage.stretches import keyframes_within, stretches
 from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.tracking.result import SegmentResult
@@ -79,7 +81,7 @@ def stand(
     )
     keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.subject.keyframes)
     stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": None})
-    stood = stood.changed({"floor_m": _floor_m(stood, fitting, cancelled)})
+    stood = _with_floor(stood, fitting, cancelled)
     on_floor = sum(pin.floor for pin in pins)
     return Standing(stood, taken, on_floor, tuple(sorted(set(softened))), raised, source)
 
@@ -187,15 +189,24 @@ def _on_floor(
     return placed, tuple(pins[place] for place in sorted(raised))
 
 
-def _floor_m(
+def _with_floor(
     session: Session,
     fitting: Mapping[Span, SegmentResult],
     cancelled: Callable[[], bool] | None,
-) -> float:
-    """The floor's height with which all stretches are solved for, metres along up."""
+) -> Session:
+    """The session with the floor with which its longest stretch is solved for: its height, and its
+    tilt, which gives way a little."""
     tracked = {span: found.as_tracked for span, found in fitting.items()}
-    found = [solved(session, run, cancelled).floor_m for run in stretches(session, tracked)]
-    return round(float(np.median([height for height in found if height is not None])), 4)
+    problems = [asked(session, run).problem for run in stretches(session, tracked)]
+    longest = max((p for p in problems if any(pin.floor for pin in p.pins)), key=_frames)
+    found = solve_space(replace(longest, tilt_rad=TILT_GIVES_RAD), cancelled)
+    x, y, z = found.up_world.tolist()
+    assert found.floor_m is not None
+    return session.changed({"floor_m": round(found.floor_m, 4), "up_world": (x, y, z)})
+
+
+def _frames(problem: SpaceProblem) -> int:
+    return len(problem.motion)
 
 
 def _softened(keyframe: Keyframe) -> Keyframe:

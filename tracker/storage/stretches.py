@@ -22,7 +22,7 @@ from keypose.tracker.session.settings import Quality
 from keypose.tracker.storage.fingerprints import DECIMALS, Span
 from keypose.tracker.tracking.result import SegmentResult
 
-STRETCH_KEY_VERSION = 1
+STRETCH_KEY_VERSION = 2
 """Of the solve: another one finds another motion."""
 LONGEST = 900
 """Frames in one solve; a longer stretch is divided at keyframes, if possible between pins."""
@@ -113,8 +113,6 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         [part.limits_deg for part in session.subject.body.parts],  # no segment's key has them
         *_twists(session.subject.body),
         *([{"soft in depth": in_depth}] if in_depth else []),
-        # which of the ways to solve for soles on the floor the motion was solved by
-        *([{"soles on the floor": 2}] if any(pin.floor for pin in pins) else []),
         *(
             [session.view.video.repeats.model_dump(mode="json")]
             if session.view.video.repeats

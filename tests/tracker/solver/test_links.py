@@ -29,7 +29,7 @@ from keypose.tracker.solver.smoothness import (
     increments,
     second_differences,
 )
-from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
+from keypose.tracker.solver.space_terms import SECOND, AtOnePlace, Differences, Floor, Near, OnFloor
 from keypose.tracker.solver.terms import Link, SharedTerm
 from tests.tracker.solver.test_banded import dense
 
@@ -78,12 +78,20 @@ def difference(value: Callable[[Trajectory], float], at: Trajectory, size: float
     return found
 
 
-def jerk(fps: float = 30.0, *, varying: bool = False) -> Jerk:
+def jerk(fps: float = 30.0, *, varying: bool = False) -> Differences:
     """varying: of sigmas that differ from frame to frame."""
     sigma = np.array([150.0, 1200.0, 750.0])
     if varying:
         sigma = sigma * np.random.default_rng(5).uniform(0.2, 1.0, (FRAMES - 3, len(sigma)))
-    return Jerk(SKELETON, POINTS, sigma, fps)
+    return Differences(SKELETON, POINTS, sigma, fps)
+
+
+def push() -> Differences:
+    """Second differences beside wanted ones, of some frames alone."""
+    rng = np.random.default_rng(6)
+    sigma = np.where(rng.uniform(size=(FRAMES - 2, 3)) < 0.5, 8.0, np.inf)
+    wanted = rng.normal(0, 5, (FRAMES - 2, 3, 3))
+    return Differences(SKELETON, POINTS, sigma, 30.0, SECOND, wanted)
 
 
 # --- moving
@@ -238,13 +246,15 @@ def test_in_up_to_three_frames_there_is_no_jerk_but_there_are_steps(frames: int)
 
 PLACE = BodyPoints(SKELETON, (((FOOT, (0.0, 0.07, -0.12)),),))
 UP = np.array([0.1, -0.98, 0.2]) / np.linalg.norm([0.1, -0.98, 0.2])
+WAYS = np.linalg.svd(UP[None])[2][1:]
 SHARED = np.array([0.3, 0.2, 3.9, 0.0, 0.9, 4.1, -0.8])
 TERMS: dict[str, SharedTerm] = {
     "at one place": AtOnePlace(PLACE, slice(1, 5), 3, 0.004, SQUARED),
     "at one place, far ones pulling no harder": AtOnePlace(
         PLACE, slice(0, FRAMES), 0, 0.004, Huber(10.0)
     ),
-    "on the floor": OnFloor(3, UP, 0.07, 0.008),
+    "on a floor that is level": OnFloor(3, Floor(UP, np.zeros((0, 3)), np.zeros(3)), 0.07, 0.008),
+    "on a floor that tilts": OnFloor(0, Floor(UP, WAYS, np.array([0.2, 0.5, 4.0])), 0.0, 0.008),
     "near": Near(SHARED + 0.1, np.linspace(0.03, 100.0, 7)),
 }
 """Every term of shared unknowns. One that is added goes here."""

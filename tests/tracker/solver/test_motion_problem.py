@@ -14,7 +14,7 @@ from keypose.tracker.solver.pose_terms import PointsInPicture, PointsInSpace, Po
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.smoothness import Smoothness
-from keypose.tracker.solver.space_terms import AtOnePlace, Jerk, Near, OnFloor
+from keypose.tracker.solver.space_terms import AtOnePlace, Differences, Floor, Near, OnFloor
 from keypose.tracker.solver.terms import Link, SharedTerm
 from tests.tracker.solver.test_links import DOFS, FOOT, SKELETON, motion
 
@@ -68,7 +68,7 @@ def test_a_known_motion_and_a_known_place_are_found_from_points_in_space() -> No
     begin = np.append(place + 0.2, 0.0)
     shared: tuple[SharedTerm, ...] = (
         AtOnePlace(foot, slice(0, len(truth)), 0, 0.004, SQUARED),
-        OnFloor(0, UP, 0.0, 0.008),
+        OnFloor(0, Floor(UP, np.zeros((0, 3)), np.zeros(3)), 0.0, 0.008),
         Near(begin, np.full(4, 1e-6)),
     )
     terms = [PointsInSpace(points, points.at(truth.transforms(SKELETON)), 0.005)]
@@ -91,7 +91,7 @@ def test_a_motion_seen_with_noise_comes_nearer_with_its_place_and_smoothness() -
     start = disturbed(truth, 0.02)
     links: tuple[Link, ...] = (
         Smoothness.even(SKELETON, len(truth), np.full(DOFS, 0.05**-2)),
-        Jerk(SKELETON, foot, np.array([400.0]), 30.0),
+        Differences(SKELETON, foot, np.array([400.0]), 30.0),
     )
     shared: tuple[SharedTerm, ...] = (
         AtOnePlace(foot, slice(0, len(truth)), 0, 0.002, SQUARED),

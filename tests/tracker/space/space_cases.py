@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, image_points
-from keypose.tracker.space.solve import PinnedPoint, SpaceProblem
+from keypose.tracker.space.pinned import PinnedPoint
+from keypose.tracker.space.solve import SpaceProblem
 from tests.rendering.scenes import Scene, scene
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,8 @@ from scipy.signal import savgol_filter
 from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation, transpose
-from keypose.tracker.space.solve import PinnedPoint, SpaceSolution, solve_space
+from keypose.tracker.space.pinned import PinnedPoint
+from keypose.tracker.space.solve import SpaceSolution, solve_space
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from tests.rendering.mocap import needs_mocap
 from tests.rendering.scenes import Scene, scene
@@ -165,6 +166,50 @@ def test_a_floor_that_is_known_stays_where_it_is(person: Scene) -> None:
         problem(person, pins=pins, soft=(0, FRAMES - 1), up_world=UP, floor_m=height)
     )
     assert found.floor_m == pytest.approx(height, abs=1e-4)
+
+
+def test_a_floor_that_is_tilted_by_mistake_gives_way_before_knees_bend() -> None:
+    """What is up is wrong by 8°, while feet stand at several distances."""
+    shown = scene("stride").cut(0, FRAMES - 1)
+    wrong = exp_rotation(np.radians([8.0, 0.0, 0.0])) @ UP
+    pins = [*pinned_foot(shown, 4, 14, floor=True), *pinned_foot(shown, 46, 56, floor=True)]
+    pins += pinned_foot(shown, 25, 35, "right_foot", floor=True)
+    given = problem(shown, pins=pins, soft=(0, FRAMES - 1), up_world=wrong)
+    held, yielding = (solve_space(replace(given, tilt_rad=tilt)) for tilt in (0.0, 0.1))
+    assert held.up_world == pytest.approx(wrong)
+    assert yielding.up_world @ UP > np.cos(np.radians(4.0))
+    assert errors_m(shown, yielding.motion).mean() < 0.7 * errors_m(shown, held.motion).mean()
+    for found in (held, yielding):
+        heights = found.places @ found.up_world
+        assert found.floor_m == pytest.approx(float(heights.mean()), abs=2e-3)
+
+
+def test_straight_legs_stay_straight_where_the_body_is_at_a_wrong_distance() -> None:
+    """It comes nearer and goes away by 6 % while its feet stand."""
+    shown = standing(FRAMES)
+    tracked = farther(shown.truth, 0.3 * np.sin(np.linspace(0, 3 * np.pi, FRAMES)))
+    pins = [
+        p for foot in ("left_foot", "right_foot") for p in pinned_foot(shown, 0, 60, foot, True)
+    ]
+    found = solve_space(problem(shown, tracked, pins=pins, soft=(0, 60))).motion
+    shins = [shown.skeleton.body.index(f"{side}_shin") for side in ("left", "right")]
+    turned = transpose(tracked.Rs_parent_part[:, shins]) @ found.Rs_parent_part[:, shins]
+    assert np.degrees(np.linalg.norm(log_rotation(turned), axis=-1)).max() < 4.0
+    assert slide_m(shown, found) < 0.01
+
+
+def test_a_foot_comes_to_where_it_is_pinned_and_leaves_evenly(person: Scene) -> None:
+    """It was tracked some centimetres beside, and tipped by 25°, for the whole time."""
+    R, t = person.truth.writable()
+    foot = person.skeleton.body.index("left_foot")
+    R[:, foot] @= exp_rotation(np.radians([25.0, 0.0, 0.0]))
+    tracked = farther(Trajectory(0, R, t), np.linspace(-0.15, 0.15, FRAMES))
+    pins = pinned_foot(person, 20, 40, floor=True)
+    found = solve_space(problem(person, tracked, pins=pins, soft=(0, 60))).motion
+    steps = transpose(found.Rs_parent_part[:-1, foot]) @ found.Rs_parent_part[1:, foot]
+    assert np.degrees(np.linalg.norm(log_rotation(steps), axis=-1)).max() < 6.0
+    pushed = np.linalg.norm(np.diff(places(person, found), 2, axis=0), axis=-1).max()
+    assert pushed * fps_of(person) ** 2 < 12.0
 
 
 # --- keyframes
