@@ -2,7 +2,8 @@
 
 The picture shows how fast a point moves across the view; along it the motion is known badly, counts
 little and is smoothed for longer. Slow feet high in the air (a raised foot held still, the top of a
-jump) are left out by how low the lower foot was nearby.
+jump) are left out by how low the lower foot was nearby, but for one that stays: an error in depth
+puts it into the air.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.body.trajectory import Trajectory, runs
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
@@ -31,9 +32,14 @@ LOW_M, NEAR_S = 0.12, 0.75
 """How far above its lowest place, within so long before and after, a foot may stand."""
 STEP_M = 0.30
 """How far above another that stands: one foot on a beam or a stair, but none held up still."""
+STAYS_S, BELOW_WAIST_M = 0.25, 0.15
+"""The lowest foot that is still for so long, so far below the waist, stands at whatever height."""
 GUESSED_UP, GUESSED_STEP_M = np.array([0.0, -1.0, 0.0]), 0.40
 """Where nobody knows how the camera tilts it is taken to stand level, and so much is allowed: feet
 0.3 m apart along the view differ by 0.1 m in a camera tilted by 20°."""
+MOVED_M = 0.08
+"""Where a foot's places before and after are so far apart, as the picture shows it, it has moved in
+between, however slowly and shortly."""
 TOES_S = 0.15
 """Toes that stay for so long after the heel has left get a pin of their own."""
 
@@ -58,11 +64,16 @@ def proposed_pins(
     for part, _, toe in feet:
         points += [((part, (0.0, 0.0, 0.0)),), ((part, toe),)]
     places = BodyPoints(skeleton, tuple(points)).at(motion.transforms(skeleton))  # (N, 2F, 3)
-    low = _low(places, up_world, frames_per_second, eyes)
+    waist = motion.ps_camera_root
+    low = _low(places, waist, up_world, frames_per_second, eyes)
+    least = max(2, round(LEAST_S * frames_per_second))
     found: list[Pin] = []
     for i, (part, names, _) in enumerate(feet):
+        whole = _as_seen(places[:, 2 * i : 2 * i + 2], eyes)
         ankles, toes = (
-            still_ranges(places[:, k], frames_per_second, low[:, k], eyes)
+            _at_one_place(
+                whole, still_ranges(places[:, k], frames_per_second, low[:, k], eyes), least
+            )
             for k in (2 * i, 2 * i + 1)
         )
         later = _after(toes, ankles, TOES_S * frames_per_second)
@@ -100,6 +111,50 @@ def still_ranges(
     # the frames at both ends are where the foot lands and leaves
     kept = [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 2]
     return [(a, b) for a, b in (_without_leaving(v, *span) for span in kept) if a < b]
+
+
+def _at_one_place(
+    p_seen: Array, spans: Sequence[tuple[int, int]], least: int
+) -> list[tuple[int, int]]:
+    """Ranges as those over which a foot is at one place each: one ends where all points of the foot
+    (N, K, 3) are elsewhere before and after, and the frames on the way are none's."""
+    found: list[tuple[int, int]] = []
+    for first, last in spans:
+        rows = range(first + least, last + 2 - least)
+        apart = [_apart(p_seen[first:row], p_seen[row : last + 1]) for row in rows]
+        if not apart or max(apart) < MOVED_M:
+            found.append((first, last))
+            continue
+        row = rows[int(np.argmax(apart))]
+        before = np.flatnonzero(_strays(p_seen[first:row]) < MOVED_M / 4)
+        after = np.flatnonzero(_strays(p_seen[row : last + 1]) < MOVED_M / 4)
+        ends = (
+            (first, first + int(before.max(initial=0))),
+            (row + int(after.min(initial=last)), last),
+        )
+        kept = [(a, b) for a, b in ends if b - a + 1 >= least]
+        found += _at_one_place(p_seen, kept, least)
+    return found
+
+
+def _apart(before: Array, after: Array) -> float:
+    """How far the usual places (n, K, 3) of a foot are apart, by the point that moved least."""
+    way = np.median(before, axis=0) - np.median(after, axis=0)
+    return float(np.linalg.norm(way, axis=-1).min())
+
+
+def _strays(p: Array) -> Array:
+    """(n,) how far a foot (n, K, 3) is from where it usually is, by the point that is nearest."""
+    return np.asarray(np.linalg.norm(p - np.median(p, axis=0), axis=-1).min(axis=1))
+
+
+def _as_seen(p_world: Array, eyes: Array | None) -> Array:
+    """Places (N, K, 3) whose way along the view counts as little as the picture shows it."""
+    view = p_world if eyes is None else p_world - eyes[:, None]
+    usual = np.median(view, axis=0)
+    usual = usual / np.linalg.norm(usual, axis=-1, keepdims=True)
+    along = (p_world * usual).sum(axis=-1, keepdims=True) * usual
+    return np.asarray(p_world - (1 - DEPTH_SHARE) * along)
 
 
 def _without_leaving(v: Array, first: int, last: int) -> tuple[int, int]:
@@ -172,17 +227,23 @@ def _smoothed(x: Array, sigma: float) -> Array:
 
 
 def _low(
-    places: Array, up_world: Array | None, frames_per_second: float, eyes: Array | None
+    places: Array,
+    waist: Array,
+    up_world: Array | None,
+    frames_per_second: float,
+    eyes: Array | None,
 ) -> NDArray[np.bool_]:
     """(N, K) whether each point is near its own lowest place nearby in time, and no other foot
-    stands still below it."""
+    stands still below it; or stays where it is, lower than all else that stands still."""
     from scipy.ndimage import minimum_filter1d
 
-    high = places @ (GUESSED_UP if up_world is None else up_world)
+    up = GUESSED_UP if up_world is None else up_world
+    high, hangs = places @ up, (waist @ up)[:, None] - BELOW_WAIST_M
     step = GUESSED_STEP_M if up_world is None else STEP_M
     near = 2 * int(NEAR_S * frames_per_second) + 1
     lowest = minimum_filter1d(high, near, axis=0, mode="nearest")
     low = (high < lowest + LOW_M) | (up_world is None)
+    low &= (high < (waist @ up)[:, None]) | (up_world is None)
     still = np.stack(
         [
             speed_m_s(places[:, k], frames_per_second, eyes) < START_M_S
@@ -192,5 +253,17 @@ def _low(
     )
     for kind in (slice(0, None, 2), slice(1, None, 2)):  # ankles, toes
         standing = np.where(still[:, kind], high[:, kind], np.inf).min(axis=1, keepdims=True)
+        lowest_still = still[:, kind] & (high[:, kind] < standing + LOW_M)
+        lowest_still &= high[:, kind] < hangs
+        low[:, kind] |= _lasting(lowest_still, STAYS_S * frames_per_second)
         low[:, kind] &= high[:, kind] < standing + step
     return np.asarray(low)
+
+
+def _lasting(there: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+    """(N, K) what is there for at least so many frames in a row."""
+    lasts = np.zeros_like(there)
+    for k in range(there.shape[1]):
+        for first, last in runs(there[:, k]):
+            lasts[first : last + 1, k] = last - first + 1 >= least
+    return lasts

@@ -29,11 +29,14 @@ from keypose.tracker.solver.sigmas import (
     UPRIGHT_ALONG_RAD,
     USUAL_FORWARD_RAD,
 )
+from keypose.tracker.space.pinned import KNEES
 
 STEPS: Final = 3
 """The problem is linear but for the unit length."""
 MOST_LEAN_RAD: Final = np.radians(45.0)
 """Nobody who stands is farther from what the camera takes for up."""
+MOST_BEND_RAD: Final = np.radians(60.0)
+"""Somebody whose knees are bent by more sits, or squats, and is not upright over the feet."""
 LEVEL_CAMERA: Final = np.array([0.0, -1.0, 0.0])
 
 
@@ -64,7 +67,8 @@ def up_from_standing(
     if not stances:
         return None
     Ts = motion.transforms(skeleton)
-    body, ahead = _upright(skeleton, Ts, _standing(stances, motion))
+    standing = _standing(stances, motion) & (_bend_rad(skeleton, motion) < MOST_BEND_RAD)
+    body, ahead = _upright(skeleton, Ts, standing)
     if body is None or body @ LEVEL_CAMERA < np.cos(MOST_LEAN_RAD):
         return None
     places = np.array([_place(skeleton, Ts, stance, motion.first_frame) for stance in stances])
@@ -103,6 +107,15 @@ def _standing(stances: Sequence[Pin], motion: Trajectory) -> NDArray[np.bool_]:
     for stance in stances:
         there[_rows(stance, motion.first_frame)] = True
     return there
+
+
+def _bend_rad(skeleton: Skeleton, motion: Trajectory) -> Array:
+    """(N,) by how much the less bent of the knees is bent; 0 of a body without."""
+    shins = [i for i, name in enumerate(skeleton.body.names) if name in KNEES]
+    if not shins:
+        return np.zeros(len(motion))
+    straight = motion.Rs_parent_part[:, shins, 1, 1]  # of the shin's length along the thigh's
+    return np.asarray(np.arccos(np.clip(straight, -1.0, 1.0)).min(axis=1))
 
 
 def _upright(

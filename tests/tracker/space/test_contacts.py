@@ -121,6 +121,49 @@ def test_a_foot_held_still_in_the_air_is_not_pinned() -> None:
     assert {pin.part for pin in proposed_pins(shown.skeleton, raised, 30.0, None)} == {"left_foot"}
 
 
+@pytest.mark.parametrize(("frames", "metres", "stances"), [
+    (8, 0.15, 2),
+    (15, 0.15, 2),
+    (30, 0.15, 2),
+    (8, 0.05, 1),
+])  # fmt: skip
+def test_a_foot_that_moves_on_ends_its_stance_however_slowly_and_shortly(
+    frames: int, metres: float, stances: int
+) -> None:
+    shown = standing()
+    R, p = shown.truth.writable()
+    share = np.clip((np.arange(len(p)) - 22) / frames, 0, 1)
+    p[:, 0] += metres * share**2 * (3 - 2 * share)
+    moved = Trajectory(0, R, p)
+    pins = proposed_pins(shown.skeleton, moved, 30.0, UP)
+    assert len(pins) == 2 * stances
+    for pin in pins:
+        ends = p[pin.first_frame, 0] - p[pin.last_frame, 0]
+        assert abs(ends) < 0.055
+
+
+def test_feet_that_stay_are_pinned_though_an_error_in_depth_puts_them_into_the_air() -> None:
+    """As after a jump that is tracked too near; a foot that does not stay is none."""
+    shown = standing()
+    R, p = shown.truth.writable()
+    p[25:45] += 0.4 * UP
+    p[22:25] += np.array([[0.1], [0.2], [0.3]]) * UP
+    p[45:48] += np.array([[0.3], [0.2], [0.1]]) * UP
+    pins = proposed_pins(shown.skeleton, Trajectory(0, R, p), 30.0, UP)
+    held = [pin for pin in pins if pin.first_frame > 22 and pin.last_frame < 48]
+    assert {pin.part for pin in held} == {"left_foot", "right_foot"}
+    p[28:45] = shown.truth.ps_camera_root[28:45]
+    short = proposed_pins(shown.skeleton, Trajectory(0, R, p), 30.0, UP)
+    assert not any(22 < pin.first_frame < 27 for pin in short)
+
+
+def test_feet_of_somebody_who_stands_on_the_head_are_not_pinned() -> None:
+    shown = standing()
+    R, p = shown.truth.writable()
+    R[:, 0] = np.diag([1.0, -1.0, -1.0]) @ R[:, 0]
+    assert proposed_pins(shown.skeleton, Trajectory(0, R, p), 30.0, UP) == ()
+
+
 def test_both_feet_are_pinned_in_a_camera_that_nobody_knows_to_be_tilted() -> None:
     shown = standing()
     angle = np.radians(25)

@@ -83,3 +83,16 @@ def test_of_somebody_who_lies_nothing_is_said() -> None:
     motion, _ = turned(shown, 80.0, 0.0)
     pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=0, last_frame=9)
     assert up_from_standing(shown.skeleton, motion, (pin,)) is None
+
+
+def test_somebody_who_sits_does_not_tell_what_is_up() -> None:
+    shown = scene("speech").cut(0, 30)
+    Rs, ps = shown.truth.writable()
+    for side in ("left", "right"):
+        thigh, shin = (shown.skeleton.body.index(f"{side}_{part}") for part in ("thigh", "shin"))
+        Rs[:, thigh] = Rotation.from_euler("x", -80, degrees=True).as_matrix()
+        Rs[:, shin] = Rotation.from_euler("x", 80, degrees=True).as_matrix()
+    sits = Trajectory(0, Rs, ps)
+    stances = [pin for pin in proposed_pins(shown.skeleton, sits, 30.0, None) if pin.landmarks[1:]]
+    assert stances
+    assert up_from_standing(shown.skeleton, sits, stances) is None
