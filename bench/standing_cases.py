@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import cv2
 import numpy as np
@@ -36,7 +37,8 @@ from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPosition
 from keypose.tracker.solver.posed import free_skeleton, image_points, joints_and_landmarks
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.results import segment_key
+from keypose.tracker.storage.results import Results, segment_key
+from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from tests.rendering.render import rendered
@@ -91,16 +93,16 @@ def standing_man() -> Steps:
     return _stands()
 
 
-def shuffle() -> Steps:
+def shuffle(frames_each: int = 6) -> Steps:
     """Each foot moves by 15 cm in a fifth of a second, one after the other, twice."""
     steps = _stands()
     left, right = (foot.copy() for foot in steps.feet)
     root = steps.root.copy()
     for at in (22, 58):
-        for foot, start in ((left, at), (right, at + 9)):
-            foot[:, 0] += 0.15 * _eased(FRAMES, start, 6)
-            foot[:, 1] += 0.015 * _bump(FRAMES, start, 6)
-        root[:, 0] += 0.15 * _eased(FRAMES, at, 16)
+        for foot, start in ((left, at), (right, at + frames_each + 2)):
+            foot[:, 0] += 0.15 * _eased(FRAMES, start, frames_each)
+            foot[:, 1] += 0.015 * _bump(FRAMES, start, frames_each)
+        root[:, 0] += 0.15 * _eased(FRAMES, at, 2 * frames_each + 2)
     return replace(steps, feet=(left, right), root=root)
 
 
@@ -130,9 +132,12 @@ def squat() -> Steps:
     return replace(steps, low=low)
 
 
-def walk(frames: int = FRAMES) -> Steps:
-    """Along a line that leads away from the camera and to the side; feet roll over their toes."""
-    heading, stride, beat = 2.35, 1.16, 32
+def walk(frames: int = FRAMES, stride: float = 1.16, rise: float = 0.0) -> Steps:
+    """Along a line that leads away from the camera and to the side; feet roll over their toes.
+
+    stride: metres of two steps.  rise: of two steps on stairs.
+    """
+    heading, beat = 2.35, 32
     ahead = np.array([-np.sin(heading), 0.0, -np.cos(heading)])
     aside = np.array([np.cos(heading), 0.0, -np.sin(heading)])
     feet, tipped = [], []
@@ -141,7 +146,7 @@ def walk(frames: int = FRAMES) -> Steps:
         for step in range(-1, frames // beat + 2):
             at = start + beat * step
             along += stride * _eased(frames, at, 13)
-            high += 0.10 * _bump(frames, at, 13)
+            high += 0.10 * _bump(frames, at, 13) + rise * _eased(frames, at, 9)
             tip += 0.55 * _bump(frames, at - 5, 13)
         along -= stride * (frames / beat / 2 + 0.75)
         foot = along[:, None] * ahead + side * 0.07 * aside
@@ -154,6 +159,29 @@ def walk(frames: int = FRAMES) -> Steps:
     root = line[0] + np.arange(frames)[:, None] * line[1]
     return Steps((feet[0], feet[1]), (tipped[0], tipped[1]), root, np.full(frames, 0.02),
                  np.full(frames, heading))  # fmt: skip
+
+
+def stairs() -> Steps:
+    """Up, by 17 cm a step; the feet do not roll."""
+    steps = walk(stride=0.60, rise=0.34)
+    flat = np.zeros_like(steps.low)
+    return replace(steps, tipped=(flat, flat), low=flat + 0.05)
+
+
+def treadmill() -> Steps:
+    """The walk, on a belt that takes every stance back as fast."""
+    steps = walk()
+    back = steps.root - steps.root[FRAMES // 2]
+    feet = [foot - np.insert(back, 1, 0.0, axis=1) for foot in steps.feet]
+    return replace(steps, feet=(feet[0], feet[1]), root=steps.root - back)
+
+
+def chair() -> Steps:
+    """Sits for the whole time, the feet on the floor before the chair."""
+    steps = _stands(apart=0.3)
+    ahead = -0.42 * np.array([np.sin(0.5), 0.0, np.cos(0.5)])
+    feet = [foot + ahead for foot in steps.feet]
+    return replace(steps, feet=(feet[0], feet[1]), low=steps.low + 0.26)
 
 
 def moved(skeleton: Skeleton, steps: Steps) -> Trajectory:
@@ -240,11 +268,16 @@ def _walks_beside(frames: int) -> CameraPath:
 CASES: Mapping[str, Case] = {
     "walk": Case(walk),
     "shuffle of 15 cm": Case(shuffle),
+    "slow shuffle": Case(partial(shuffle, 14)),
     "jump": Case(jump),
+    "jump, landing 10 % nearer": Case(jump, (1.0, 1.0, 0.9, 0.9)),
     "stands, 8 % too near": Case(standing_man, (0.92,)),
     "stands, 8 % too far": Case(standing_man, (1.08,)),
     "stands, ± 8 %": Case(standing_man, (0.92, 1.08)),
     "squat": Case(squat),
+    "sits": Case(chair),
+    "stairs": Case(stairs),
+    "treadmill": Case(treadmill),
     "walk, walking camera": Case(walk, path=_walks_beside),
 }
 
@@ -292,10 +325,13 @@ def made(name: str) -> Made:
         own = CameraPath(_scaled(path.Ts_camera_world, 0.4), path.zoom)
         motion = CameraMotion.of("moves", own, pieces=(CameraPiece(first_frame=0, metres=None),))
         session = session.changed({"camera_motion": motion})
-    fitting = {
-        (s.first, s.last): replace(s, key=segment_key(session, s.first, s.last), quality="full")
-        for s in found.segments
-    }
+    results = Results()
+    for one in found.segments:
+        key = segment_key(session, one.first, one.last)
+        results = results.with_result(replace(one, key=key, quality="full"))
+    for stretch in results.unsolved(session):
+        results = results.with_space(solved(session, stretch))
+    fitting = results.fitting(session)
     return Made(skeleton, camera, truth, tilt @ [0.0, -1.0, 0.0], session, fitting, path)
 
 

@@ -52,7 +52,8 @@ COLUMNS = ("pins", "soles cm", "planted cm", "knees deg", "95 % deg", "px", "joi
 
 def motion_of(session: Session, made: Made) -> Trajectory:
     """The motion of a session that stands, in the camera frame."""
-    return joined([solved(session, run).motion for run in stretches(session, made.fitting)])
+    tracked = {span: found.as_tracked for span, found in made.fitting.items()}
+    return joined([solved(session, run).motion for run in stretches(session, tracked)])
 
 
 def tracked_of(made: Made) -> Trajectory:
@@ -77,13 +78,18 @@ def harm(made: Made, session: Session, motion: Trajectory) -> Harm:
     return Harm(
         len(pins),
         100 * float(np.ptp(np.concatenate(high))) if high else 0.0,
-        100 * float(np.ptp(ends[planted])) if planted.any() else 0.0,
+        100 * _range(ends[planted]),
         float(worse.mean()), float(np.quantile(worse, 0.95)),
         float((off[0] - off[1]).mean()), float((off[0] - off[1]).max()),
         float(turn.max()), push(skeleton, world, session.in_world(before), pins, FPS),
         mm[0], mm[1],
         float(np.degrees(np.arccos(np.clip(up / np.linalg.norm(up) @ made.up, -1, 1)))),
     )  # fmt: skip
+
+
+def _range(heights: Array) -> float:
+    """From the lowest twentieth to the highest; 0 of none."""
+    return float(np.subtract(*np.quantile(heights, (0.95, 0.05)))) if len(heights) else 0.0
 
 
 def soles_points(skeleton: Skeleton) -> BodyPoints:

@@ -11,6 +11,8 @@ from keypose.app.jobs.stand import stood
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.session import Session
+from keypose.tracker.session.pins import Pin
+from keypose.tracker.space.harm import Harm
 from keypose.tracker.space.soles import Soles, soles_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
@@ -57,6 +59,22 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
         "up_camera": session.world.up_world,
         "up_from": done.up_from,
         "floor_m": session.world.floor_m,
+        "tilted_rad": done.tilted_rad,
+        "released": [_harm(harm) for harm in done.released],
+        "pins": [_harm(harm) for harm in done.harms],
+        "hanging": [{**_pin(pin), "above_floor_m": high} for pin, high in done.hanging],
+        "raised": [_pin(pin) for pin in done.raised],
+        "unscaled": [list(span) for span in done.unscaled],
         "soles_off_m": None if soles is None else soles.off_m,
         "in_air": [] if soles is None else [list(run) for run in soles.in_air],
     }
+
+
+def _harm(harm: Harm) -> dict[str, object]:
+    """What a pin does: pixels or radians."""
+    unit = {"picture": "moves_px", "knee": "bends_rad"}[harm.kind]
+    return {**_pin(harm.pin), unit: harm.amount, "at_part": harm.part, "at_frame": harm.frame}
+
+
+def _pin(pin: Pin) -> dict[str, object]:
+    return {"part": pin.part, "frames": list(pin.span)}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
+
+import numpy as np
 
 import numpy as np
 
@@ -12,10 +14,13 @@ from keypose.app.posing.placing import tilt_and_roll
 from keypose.app.words.problems import frame_range, named_frames
 
 if TYPE_CHECKING:
+    from keypose.tracker.session.pins import Pin
+    from keypose.tracker.space.harm import Harm
     from keypose.tracker.space.soles import Soles
     from keypose.tracker.storage.standing import Standing
     from keypose.tracker.video.upright_lines import UprightLines
 
+T = TypeVar("T")
 MOST_NAMED: Final = 3
 OFF_BY_SIGMA: Final = 2.0
 """Standard deviations that are told as ±."""
@@ -32,10 +37,49 @@ def standing_words(done: Standing) -> str:
     words = [f"{pins} on the floor{new}{gives if soft else ''}."]
     if done.up_from != "known":
         words.append(f"{_tilt_words(done)}.")
-    for pin in done.raised[:MOST_NAMED]:
-        named = f"{part_label(pin.part)}, {named_frames(*pin.span)},"
-        words.append(f"{named} stands higher and was left there.")
-    return " ".join(words)
+    if done.up_from == "known" and round(np.degrees(done.tilted_rad)):
+        turned = f"{np.degrees(done.tilted_rad):.0f}°"
+        words.append(f"Up was turned by {turned}, to where feet stand level.")
+    words += [f"{_named(pin)} stands higher and was left there." for pin in _some(done.raised)]
+    for first, last in _some(done.unscaled):
+        frames = named_frames(first, last)
+        words.append(f"The scale of the camera's path is not known in {frames}: no pins there.")
+    return " ".join([*words, *_pin_words(done)])
+
+
+def _pin_words(done: Standing) -> list[str]:
+    """What pins would have done that were not set, what those do that are, and feet in the air."""
+    words = [
+        f"{_named(harm.pin)} is not pinned: that would {_does(harm)}."
+        for harm in _some(done.released)
+    ]
+    more = len(done.released) - MOST_NAMED
+    words += [f"{_count(more, 'more stance')} not pinned either."] if more > 0 else []
+    much = sorted((harm for harm in done.harms if harm.is_much), key=lambda harm: -harm.share)
+    words += [f"{_named(h.pin)} is pinned: check it, it may {_does(h)}." for h in _some(much)]
+    words += [
+        f"{_named(pin)} is still and {100 * high:.0f} cm above the floor: pin it if it stands."
+        for pin, high in _some(done.hanging)
+    ]
+    px = max((harm.amount for harm in done.harms if harm.kind == "picture"), default=0.0)
+    bent = max((harm.amount for harm in done.harms if harm.kind == "knee"), default=0.0)
+    return [*words, f"Legs moved by up to {px:.0f} px, knees by up to {np.degrees(bent):.0f}°."]
+
+
+def _does(harm: Harm) -> str:
+    """Such as "move the left foot by 9 px", or "bend the knee by 12°"."""
+    if harm.kind == "knee":
+        return f"bend the knee by {np.degrees(harm.amount):.0f}°"
+    return f"move the {part_label(harm.part).lower()} by {harm.amount:.0f} px"
+
+
+def _named(pin: Pin) -> str:
+    """Such as "Left foot, frames 3–9,"."""
+    return f"{part_label(pin.part)}, {named_frames(*pin.span)},"
+
+
+def _some(found: Sequence[T]) -> Sequence[T]:
+    return found[:MOST_NAMED]
 
 
 def _tilt_words(done: Standing) -> str:

@@ -186,11 +186,13 @@ class SpaceSolution:
 
 
 def solve_space(
-    problem: SpaceProblem, cancelled: Callable[[], bool] | None = None
+    problem: SpaceProblem,
+    cancelled: Callable[[], bool] | None = None,
+    start: Trajectory | None = None,
 ) -> SpaceSolution:
-    """Solve for the motion of a stretch."""
+    """Solve for the motion of a stretch. start: a motion near it, by default as tracked."""
     skeleton = _free(problem)
-    start = problem.motion
+    start = problem.motion if start is None else start
     pins = [BodyPoints(skeleton, (((pin.part, pin.p_part),),)) for pin in problem.pins]
     frames = [pin.rows(start) for pin in problem.pins]
     there = problem.in_world(start).transforms(skeleton)
@@ -273,7 +275,7 @@ def _shared(problem: SpaceProblem, places: Array) -> tuple[Floor, Array]:
     return floor, np.concatenate([places.ravel(), np.zeros(len(ways)), [height]])
 
 
-def _height_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
+def heights_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
     """(N,) of the body, were it to stand where it is; of a thing its greatest extent."""
     motion = problem.motion
     z = problem.camera.depth(motion.ps_camera_root)
@@ -288,7 +290,7 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     """Points of the body where the tracked motion has them in the picture."""
     points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
-    scale = 1 / (SEEN_SHARE * _height_px(problem, skeleton))
+    scale = 1 / (SEEN_SHARE * heights_px(problem, skeleton))
     every = scale[:, None] / _wider(problem, points)
     return (PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
 
@@ -335,7 +337,7 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     exact = np.isin(soft, np.array(sorted(problem.seen), dtype=np.int64) - first)
     wider = _wider(problem, points)[soft]
     share = np.where(exact[:, None] & (wider == 1), EXACT_SEEN_SHARE, KEY_SEEN_SHARE * wider)
-    scale[soft] = 1 / (share * _height_px(problem, skeleton)[soft, None])
+    scale[soft] = 1 / (share * heights_px(problem, skeleton)[soft, None])
     directions = np.zeros((len(motion), 1, 3))
     directions[soft, 0, 2] = 1 / (KEY_DEPTH_SHARE * motion.ps_camera_root[soft, 2])
     return (

@@ -21,6 +21,7 @@ from keypose.tracker.space.pinned import PinnedPoint
 from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, solve_space
+from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
 
@@ -83,7 +84,7 @@ def solved(
     up = None if session.world.up_world is None else up_of(session)
     in_world = problem.in_world(found.motion)
     rate = problem.frames_per_second
-    still = proposed_pins(skeleton, in_world, rate, up, session.eyes(in_world))
+    still = stances(session, in_world, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
     body = session.subject.body
     feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
@@ -105,6 +106,26 @@ def solved(
     if moments is not None:
         motion = _changed_in_world(problem.path, motion, moments.shown)
     return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
+
+
+def stances(session: Session, motion: Trajectory, up_world: Array | None) -> tuple[Pin, ...]:
+    """Pins to propose for feet that stand still in a motion in the world. None where the way of its
+    camera has no scale: there what stands still cannot be told from what moves."""
+    skeleton, rate = Skeleton.of(session.subject.body), frames_per_second(session, motion)
+    found = proposed_pins(skeleton, motion, rate, up_world, session.eyes(motion))
+    spans = unscaled_spans(session)
+    return tuple(
+        pin
+        for pin in found
+        if not any(pin.first_frame <= b and pin.last_frame >= a for a, b in spans)
+    )
+
+
+def unscaled_spans(session: Session) -> list[Span]:
+    """Over which frames nothing tells how far the camera went."""
+    motion = session.view.camera_motion
+    found = () if motion is None else motion.unscaled
+    return [(one.first_frame, one.last_frame) for one in found]
 
 
 def _changed_in_world(

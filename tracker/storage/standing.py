@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -11,25 +11,28 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
-from keypose.tracker.solver.sigmas import TILT_GIVES_RAD
-from keypose.tracker.space.contacts import proposed_pins
+from keypose.tracker.space.harm import Harm
 from keypose.tracker.space.level import leaning_rad, up_from_standing
 from keypose.tracker.space.soles import by_contact, foot_heights
-from keypose.tracker.space.solve import SpaceProblem, solve_space
 from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.kept_pins import without_harm
 from keypose.tracker.storage.outdated import outdated_words
-from keypose.tracker.storage.space import asked, frames_per_second, up_of
+from keypose.tracker.storage.space import stances, unscaled_spans, up_of
 from keypose.tracker.storage.stretches import keyframes_within, stretches
 from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 
-STEP_M: Final = 0.25
-"""A foot that stands so much higher than most stands on something else than the floor."""
+STEP_M, NEARER = 0.25, 0.1
+"""A foot that stands so much higher than most stands on something else than the floor; unless the
+floor lies behind it in the picture by such a share of its distance: depth is wrong by that."""
 UPSIDE_DOWN_RAD: Final = np.radians(60.0)
+MOST_SLOPE_RAD: Final = np.radians(15.0)
+"""A body leans no farther from what feet on one level say is up."""
 
 UpSource: TypeAlias = Literal["known", "lines", "feet"]
 """What up rests on: what the session says, upright lines of the picture, how the person stands."""
@@ -41,6 +44,10 @@ class Standing:
 
     taken: contacts that were proposed and are pins now.  on_floor: pins on the floor.
     softened: frames of keyframes that give way in depth now.  raised: feet that stand higher.
+    released: what contacts that were proposed would have done, and are no pins for it.  harms:
+    what each pin does.  hanging: feet that stand still above the floor unpinned, and by
+    how many metres.  tilted_rad: by how much the floor is tilted beside what was known of up.
+    unscaled: frames over which the camera's way has no scale, and nothing was pinned.
     """
 
     session: Session
@@ -49,6 +56,11 @@ class Standing:
     softened: tuple[int, ...]
     raised: tuple[Pin, ...]
     up_from: UpSource
+    released: tuple[Harm, ...]
+    harms: tuple[Harm, ...]
+    hanging: tuple[tuple[Pin, float], ...]
+    tilted_rad: float
+    unscaled: tuple[Span, ...]
 
 
 def stand(
@@ -72,18 +84,30 @@ def stand(
     }
     if not motions:
         raise SessionError(_why_nothing_stands(session, fitting, motion))
+    _require_scale(session, motions)
     session, source = _levelled(session, motions, lines)
-    pins = _contacts(session, motions)
-    taken = len(pins) - len(session.subject.pins)
-    pins, raised = _on_floor(session, pins, motions)
+    known = len(session.subject.pins)
+    pins, raised = _on_floor(session, _contacts(session, motions), motions)
     softened = tuple(
         k.frame for span in motions for k in keyframes_within(session, *span) if not k.soft
     )
     keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.subject.keyframes)
     stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": None})
-    stood = _with_floor(stood, fitting, cancelled)
-    on_floor = sum(pin.floor for pin in pins)
-    return Standing(stood, taken, on_floor, tuple(sorted(set(softened))), raised, source)
+    kept = without_harm(stood, pins[known:], fitting, cancelled)
+    pins = kept.session.subject.pins
+    return Standing(
+        session=kept.session,
+        taken=len(pins) - known,
+        on_floor=sum(pin.floor for pin in pins),
+        softened=tuple(sorted(set(softened))),
+        raised=tuple(pin for pin in raised if pin in pins),
+        up_from=source,
+        released=kept.released,
+        harms=kept.harms,
+        hanging=kept.hanging(),
+        tilted_rad=float(np.arccos(np.clip(up_of(kept.session) @ up_of(session), -1.0, 1.0))),
+        unscaled=tuple(unscaled_spans(session)),
+    )
 
 
 def _why_nothing_stands(
@@ -112,6 +136,15 @@ def _with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Sess
     return with_scale(session, fitting)
 
 
+def _require_scale(session: Session, motions: Mapping[Span, Trajectory]) -> None:
+    unknown = unscaled_spans(session)
+    if all(any(a <= first and last <= b for a, b in unknown) for first, last in motions):
+        raise SessionError(
+            "How far the camera went is not known, so no foot can be said to stand still: pin a "
+            "foot where it stands for some time, and stand again."
+        )
+
+
 def _require_standable(session: Session) -> None:
     if session.view.surface is not None:
         raise SessionError("A body fitted to surfaces stands where they do.")
@@ -135,16 +168,17 @@ def _levelled(
         return session, "known"
     if lines is not None:
         return session.with_up(lines.up_camera), "lines"
-    rate = frames_per_second(session, longest)
-    stances = [
-        pin
-        for pin in proposed_pins(skeleton, longest, rate, None, session.eyes(longest))
-        if pin.landmarks[1:]
-    ]
-    up = up_from_standing(skeleton, longest, stances)
+    whole = [pin for pin in stances(session, longest, None) if pin.landmarks[1:]]
+    up = up_from_standing(skeleton, longest, whole)
     if up is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."
+        )
+    slope = leaning_rad(skeleton, longest, up)
+    if slope > MOST_SLOPE_RAD:
+        raise SessionError(
+            f"Feet stand on a slope of {np.degrees(slope):.0f}° by how the body is upright, as on "
+            "stairs: set the horizon first."
         )
     return session.with_up(up, from_feet=True), "feet"
 
@@ -155,8 +189,7 @@ def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin
     skeleton, up = Skeleton.of(session.subject.body), up_of(session)
     pins = list(session.subject.pins)
     for motion in motions.values():
-        rate = frames_per_second(session, motion)
-        for pin in proposed_pins(skeleton, motion, rate, up, session.eyes(motion)):
+        for pin in stances(session, motion, up):
             if not any(pin.overlaps(known) for known in session.subject.pins):
                 pins += by_contact(skeleton, motion, pin, up)
     return pins_apart(pins)
@@ -169,19 +202,26 @@ def _on_floor(
     no foot stands."""
     skeleton, up = Skeleton.of(session.subject.body), up_of(session)
     high: dict[int, float] = {}
+    falls: dict[int, float] = {}
     for place, pin in enumerate(pins):
-        heights = [
-            foot_heights(skeleton, motion, held, up)
+        held = [
+            (motion, each)
             for span, motion in motions.items()
-            for held in pins_within([pin], span)
-            if held.holds_sole(session.subject.body)
+            for each in pins_within([pin], span)
+            if each.holds_sole(session.subject.body)
         ]
-        if heights:
+        if held:
+            heights = [foot_heights(skeleton, motion, each, up) for motion, each in held]
             high[place] = float(np.median(np.concatenate(heights)))
+            falls[place] = _fall_m(session, *held[0], up)
     if not high:
         raise SessionError("No foot stands still anywhere: there is no floor to stand on.")
     usual = float(np.median(list(high.values())))
-    raised = {place for place, height in high.items() if height - usual > STEP_M}
+    raised = {
+        place
+        for place, height in high.items()
+        if height - usual > max(STEP_M, NEARER * falls[place])
+    }
     placed = tuple(
         pin.model_copy(update={"floor": place not in raised}) if place in high else pin
         for place, pin in enumerate(pins)
@@ -189,24 +229,15 @@ def _on_floor(
     return placed, tuple(pins[place] for place in sorted(raised))
 
 
-def _with_floor(
-    session: Session,
-    fitting: Mapping[Span, SegmentResult],
-    cancelled: Callable[[], bool] | None,
-) -> Session:
-    """The session with the floor with which its longest stretch is solved for: its height, and its
-    tilt, which gives way a little."""
-    tracked = {span: found.as_tracked for span, found in fitting.items()}
-    problems = [asked(session, run).problem for run in stretches(session, tracked)]
-    longest = max((p for p in problems if any(pin.floor for pin in p.pins)), key=_frames)
-    found = solve_space(replace(longest, tilt_rad=TILT_GIVES_RAD), cancelled)
-    x, y, z = found.up_world.tolist()
-    assert found.floor_m is not None
-    return session.changed({"floor_m": round(found.floor_m, 4), "up_world": (x, y, z)})
-
-
-def _frames(problem: SpaceProblem) -> int:
-    return len(problem.motion)
+def _fall_m(session: Session, motion: Trajectory, pin: Pin, up: Array) -> float:
+    """How far below the camera a foot stands: were it farther away by a share of its distance, and
+    seen at the same place, it would be lower by that share of this."""
+    row = pin.first_frame - motion.first_frame
+    eyes = session.eyes(motion)
+    eye = np.zeros(3) if eyes is None else eyes[row]
+    part = session.subject.body.index(pin.part)
+    place = motion.transforms(Skeleton.of(session.subject.body))[row, part, :3, 3]
+    return float((eye - place) @ up)
 
 
 def _softened(keyframe: Keyframe) -> Keyframe:

@@ -46,6 +46,7 @@ def test_feet_stand_and_what_changed_and_is_left_is_printed(
     assert f"{len(saved.subject.pins)} pins on the floor" in words
     assert "3 keyframes give way in depth" in words
     assert "by how the person stands" in words
+    assert "Legs moved by up to" in words
     assert "Soles within 0." in words or "Soles within 1." in words
     assert saved.world.floor_m is not None
     assert saved.world.up_world is not None
@@ -64,6 +65,14 @@ def test_a_dry_run_says_the_same_and_writes_nothing(
     assert said["pins_on_floor"] == said["pins_taken"] > 2
     assert said["softened"] == [0, 30, 60]
     assert abs(said["soles_off_m"]) < 0.015
+    assert {"moves_px", "bends_rad"} & set(said["pins"][0])
+    kept, released = (
+        {(pin["part"], *pin["frames"]) for pin in said[name]} for name in ("pins", "released")
+    )
+    assert len(kept) == said["pins_on_floor"]
+    assert not kept & released
+    assert said["tilted_rad"] < 0.05
+    assert said["unscaled"] == []
     assert said["session"] is None
 
 

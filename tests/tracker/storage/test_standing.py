@@ -10,14 +10,18 @@ import pytest
 
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.session import Session
+from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import Results
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.space.soles import Soles, measured_soles, soles_of
 from keypose.tracker.storage import stretches as solves
 from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.kept_pins import without_harm
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.storage.stretches import stretches
@@ -164,6 +168,82 @@ def test_a_foot_on_something_higher_is_left_there_and_named() -> None:
     assert not done.session.subject.pins[0].floor
 
 
+# --- what a pin does to the motion
+
+
+def slid(metres: float) -> Trajectory:
+    """The tracked walk whose left foot was seen to slide in its stance about frame 50, as much as
+    the whole body."""
+    R, t = MOTION.writable()
+    share = np.clip((np.arange(len(t)) - 44) / 14, 0, 1)
+    t[:, 0] += metres * (share**2 * (3 - 2 * share))
+    return type(MOTION)(0, R, t)
+
+
+STANCE = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=46, last_frame=56)
+
+
+def test_a_pin_that_moves_a_leg_in_the_picture_is_released_if_it_was_proposed_and_told_if_set() -> (
+    None
+):
+    motion = slid(0.3)
+    given = known(pins=(STANCE,))
+    told = stand(given, tracked(given, motion))
+    held = [harm for harm in told.harms if harm.pin.span == STANCE.span]
+    assert max(harm.share for harm in held) > 1
+    assert told.session.subject.pins[0] == STANCE.model_copy(update={"floor": True})
+    fitting = tracked(given, motion)
+    floor = session_of(SHOWN, motion, up_world=tuple(UP), pins=told.session.subject.pins)
+    kept = without_harm(floor, floor.subject.pins[:1], fitting)
+    assert [harm.pin for harm in kept.released] == [floor.subject.pins[0]]
+    assert floor.subject.pins[0] not in kept.session.subject.pins
+    assert len(kept.session.subject.pins) == len(floor.subject.pins) - 1
+
+
+def test_where_no_pin_could_stay_that_is_said_and_why() -> None:
+    motion = slid(0.5)
+    floor = session_of(
+        SHOWN, motion, up_world=tuple(UP), pins=(STANCE.model_copy(update={"floor": True}),)
+    )
+    with pytest.raises(SessionError, match=r"No foot can be held .* would move .* px"):
+        without_harm(floor, floor.subject.pins, tracked(floor, motion))
+
+
+def test_what_was_done_to_a_motion_that_stands_well_is_little() -> None:
+    done = stood(known())
+    assert not any(harm.is_much for harm in done.harms)
+    assert len(done.released) < done.taken / 2
+    assert all(harm.is_too_much for harm in done.released)
+    assert not {harm.pin for harm in done.released} & set(done.session.subject.pins)
+    assert done.tilted_rad < np.radians(1.0)
+    assert done.hanging == ()
+    assert done.unscaled == ()
+
+
+# --- a camera whose way has no scale
+
+
+def carried(frames: Span) -> Session:
+    """The walk as a camera sees it that moves, its way of no known length over these frames."""
+    count = len(MOTION)
+    path = CameraPath(np.tile(np.eye(4), (count, 1, 1)), np.ones(count))
+    starts = sorted({0, frames[0], *([frames[1] + 1] if frames[1] + 1 < count else [])})
+    pieces = tuple(
+        CameraPiece(first_frame=first, metres=None if first == frames[0] else 1.0)
+        for first in starts
+    )
+    return known(camera_motion=CameraMotion.of("moves", path, pieces=pieces))
+
+
+def test_nothing_is_pinned_where_the_way_of_the_camera_has_no_scale() -> None:
+    with pytest.raises(SessionError, match="How far the camera went is not known"):
+        stood(carried((0, len(MOTION) - 1)))
+    done = stood(carried((45, len(MOTION) - 1)))
+    assert done.unscaled == ((45, len(MOTION) - 1),)
+    assert done.session.subject.pins
+    assert all(pin.last_frame < 45 for pin in done.session.subject.pins)
+
+
 TRACKED = Results(tracks="tracks-0123456789ab.npz", method="keypose", quality="full", segments=())
 
 
@@ -189,6 +269,7 @@ REFUSED = {
     "upside down": (
         lambda: (known_with_up(-UP), None), "By what is set as up the body lies"
     ),
+    "stairs, up unknown": (lambda: (session(), "climbs"), "slope of .* as on stairs"),
     "never stands": (lambda: (known(), "swims"), "No foot stands still anywhere"),
 }  # fmt: skip
 
@@ -204,6 +285,10 @@ def test_what_cannot_stand_is_said_in_one_sentence(case: str) -> None:
     given, fitting = make()
     if fitting is None:
         fitting = tracked(given, MOTION)
+    if fitting == "climbs":
+        R, t = MOTION.writable()
+        t += 0.02 * np.arange(len(t))[:, None] * UP * 0.7
+        fitting = tracked(given, type(MOTION)(0, R, t))
     if fitting == "swims":
         R, t = MOTION.writable()
         t[:, 0] += 0.1 * np.arange(len(t))
