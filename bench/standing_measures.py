@@ -9,6 +9,7 @@ import numpy as np
 
 from bench.sequences import FPS
 from bench.standing_cases import Made
+from bench.table import Expected
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import Array
@@ -20,16 +21,17 @@ from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.stretches import stretches
 
 SIDES = ("left", "right")
-PLANTED_M_S, NEAR_END = 0.08, 3
+PLANTED_M_S, NEAR_END, STILL_M_S2 = 0.08, 3, 5.0
+"""Of what stands; frames beside a pin's end; and an acceleration that is as good as none."""
 
 
 @dataclass(frozen=True)
-class Harm:
+class Effect:
     """soles: spread of pinned heels and toes, cm.  planted: spread of all that truly stand, cm.
     knees, knee: mean and 95th percentile of what a knee is farther off than before, degrees.  px,
-    joint: mean farther off, and the joint that got worst.  turn: of a foot in a frame, degrees,
-    less what the truth turns.  push: a foot's acceleration where pins end as a multiple of what was
-    tracked there.  mm: joints beside the root, and before; up: degrees off.
+    joint: mean farther off, and the joint that got worst, heels and toes left out.  turn,
+    turn_before: of a foot in a frame, degrees.  push: a foot's acceleration where pins end as a
+    multiple of what was tracked there.  mm, mm_before: joints beside the root.  up: degrees off.
     """
 
     pins: int
@@ -40,6 +42,7 @@ class Harm:
     px: float
     joint: float
     turn: float
+    turn_before: float
     push: float
     mm: float
     mm_before: float
@@ -47,7 +50,23 @@ class Harm:
 
 
 COLUMNS = ("pins", "soles cm", "planted cm", "knees deg", "95 % deg", "px", "joint px", "turn deg",
-           "push", "mm", "mm before", "up deg")  # fmt: skip
+           "before", "push", "mm", "mm before", "up deg")  # fmt: skip
+
+MOST_SOLES_CM, MOST_KNEE_DEG, MOST_PX, MOST_JOINT_PX, MOST_TURN_DEG, MOST_PUSH = (
+    1.5, 5.0, 0.3, 8.0, 12.0, 1.3,
+)  # fmt: skip
+
+
+def expected(found: Effect) -> list[Expected]:
+    """What standing is to do at most; a foot that was tracked to turn faster may go on to."""
+    return [
+        Expected("soles", found.soles, MOST_SOLES_CM, "cm"),
+        Expected("knees", found.knee, MOST_KNEE_DEG, "°"),
+        Expected("px", found.px, MOST_PX),
+        Expected("joint", found.joint, MOST_JOINT_PX, "px"),
+        Expected("turn", found.turn, max(MOST_TURN_DEG, found.turn_before), "°"),
+        Expected("push", found.push, MOST_PUSH),
+    ]
 
 
 def motion_of(session: Session, made: Made) -> Trajectory:
@@ -60,7 +79,7 @@ def tracked_of(made: Made) -> Trajectory:
     return joined([made.fitting[span].trajectory for span in sorted(made.fitting)])
 
 
-def harm(made: Made, session: Session, motion: Trajectory) -> Harm:
+def effect(made: Made, session: Session, motion: Trajectory) -> Effect:
     skeleton, truth, before = made.skeleton, made.truth, tracked_of(made)
     rows = slice(0, len(motion))
     true = Trajectory(0, truth.Rs_parent_part[rows], truth.ps_camera_root[rows])
@@ -74,14 +93,15 @@ def harm(made: Made, session: Session, motion: Trajectory) -> Harm:
     seen = [made.camera.project(m.joints(skeleton)) for m in (motion, before, true)]
     off = [np.linalg.norm(uv - seen[2], axis=-1) for uv in seen[:2]]
     mm = [_beside_root(skeleton, m, true) for m in (motion, before)]
-    turn = feet_turn(skeleton, world) - feet_turn(skeleton, made.in_world(true))
-    return Harm(
+    turns = [float(feet_turn(skeleton, session.in_world(m)).max()) for m in (motion, before)]
+    joints = skeleton.part_count
+    return Effect(
         len(pins),
         100 * float(np.ptp(np.concatenate(high))) if high else 0.0,
         100 * _range(ends[planted]),
         float(worse.mean()), float(np.quantile(worse, 0.95)),
-        float((off[0] - off[1]).mean()), float((off[0] - off[1]).max()),
-        float(turn.max()), push(skeleton, world, session.in_world(before), pins, FPS),
+        float((off[0] - off[1]).mean()), float((off[0] - off[1])[:, :joints].max()),
+        *turns, push(skeleton, world, session.in_world(before), pins, FPS),
         mm[0], mm[1],
         float(np.degrees(np.arccos(np.clip(up / np.linalg.norm(up) @ made.up, -1, 1)))),
     )  # fmt: skip
@@ -136,7 +156,7 @@ def push(
     skeleton: Skeleton, after: Trajectory, before: Trajectory, pins: Sequence[Pin], rate: float
 ) -> float:
     """The largest acceleration of a foot near where a pin begins or ends, beside that before."""
-    most = [0.0, 1e-9]
+    most = [0.0, STILL_M_S2]
     for which, motion in enumerate((after, before)):
         for side in SIDES:
             p = motion.transforms(skeleton)[:, skeleton.body.index(f"{side}_foot"), :3, 3]
