@@ -108,14 +108,14 @@ def without_harm(
         released += worst_apart(much, round(APART_S * rate)) if left else worst_of_each(much)
         gone = [harm.pin for harm in released]
         pins = tuple(pin for pin in session.subject.pins if pin not in gone)
-        _require_floor(pins, released)
         session = session.changed({"pins": pins})
+        _require_floor(stretches(session, tracked), released)
         starts = {run.problem.motion.first_frame: run.solution.motion for run in runs}
     return Kept(floored.changed({"pins": pins}), runs, tuple(released))
 
 
-def _require_floor(pins: Sequence[Pin], released: Sequence[Harm]) -> None:
-    if not any(pin.floor for pin in pins):
+def _require_floor(runs: Sequence[SegmentRun], released: Sequence[Harm]) -> None:
+    if not any(pin.floor for run in runs for pin in run.pins):
         worst = max(released, key=lambda harm: harm.share)
         does = (
             f"move a joint by {worst.amount:.0f} px in the picture"

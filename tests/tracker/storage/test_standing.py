@@ -200,13 +200,15 @@ def test_a_pin_that_moves_a_leg_in_the_picture_is_released_if_it_was_proposed_an
     assert len(kept.session.subject.pins) == len(floor.subject.pins) - 1
 
 
-def test_where_no_pin_could_stay_that_is_said_and_why() -> None:
+@pytest.mark.parametrize("others", [(), ((70, 80),)], ids=["none", "where nothing is tracked"])
+def test_where_no_pin_could_stay_that_is_said_and_why(others: tuple[Span, ...]) -> None:
     motion = slid(0.5)
-    floor = session_of(
-        SHOWN, motion, up_world=tuple(UP), pins=(STANCE.model_copy(update={"floor": True}),)
-    )
+    pins = [STANCE.model_copy(update={"floor": True, "first_frame": a, "last_frame": b})
+            for a, b in (STANCE.span, *others)]  # fmt: skip
+    floor = session_of(SHOWN, motion, up_world=tuple(UP), pins=tuple(pins))
+    fitting = {s: found for s, found in tracked(floor, motion).items() if s[1] <= 60}
     with pytest.raises(SessionError, match=r"No foot can be held .* would move .* px"):
-        without_harm(floor, floor.subject.pins, tracked(floor, motion))
+        without_harm(floor, floor.subject.pins[:1], fitting)
 
 
 def test_what_was_done_to_a_motion_that_stands_well_is_little() -> None:
