@@ -120,21 +120,35 @@ def _at_one_place(
     (N, K, 3) are elsewhere before and after, and the frames on the way are none's."""
     found: list[tuple[int, int]] = []
     for first, last in spans:
-        rows = range(first + least, last + 2 - least)
-        apart = [_apart(p_seen[first:row], p_seen[row : last + 1]) for row in rows]
-        if not apart or max(apart) < MOVED_M:
-            found.append((first, last))
-            continue
-        row = rows[int(np.argmax(apart))]
-        before = np.flatnonzero(_strays(p_seen[first:row]) < MOVED_M / 4)
-        after = np.flatnonzero(_strays(p_seen[row : last + 1]) < MOVED_M / 4)
-        ends = (
-            (first, first + int(before.max(initial=0))),
-            (row + int(after.min(initial=last)), last),
-        )
-        kept = [(a, b) for a, b in ends if b - a + 1 >= least]
-        found += _at_one_place(p_seen, kept, least)
+        pieces = _divided(p_seen, first, last, least)
+        for a, b in pieces:
+            stays = a + np.flatnonzero(_strays(p_seen[a : b + 1]) < MOVED_M / 4)
+            begin = a if a == first else int(stays.min(initial=b))
+            end = b if b == last else int(stays.max(initial=a))
+            if len(pieces) == 1 or end - begin + 1 >= least:
+                found.append((begin, end))
     return found
+
+
+def _divided(p_seen: Array, first: int, last: int, least: int) -> list[tuple[int, int]]:
+    """A range, or the two that it is divided into where its foot moves on, these again."""
+    row = first + _turning(p_seen[first : last + 1], least)
+    if row == first or _apart(p_seen[first:row], p_seen[row : last + 1]) < MOVED_M:
+        return [(first, last)]
+    halves = ((first, row - 1), (row, last))
+    return [piece for half in halves for piece in _divided(p_seen, *half, least)]
+
+
+def _turning(p: Array, least: int) -> int:
+    """The row at which a foot's places (n, K, 3) are divided into two that are each as much at one
+    place as they can be; 0 where there are too few rows."""
+    total = np.cumsum((p - p.mean(axis=0)).reshape(len(p), -1), axis=0)
+    rows = np.arange(least, len(p) - least + 1)
+    if not len(rows):
+        return 0
+    before, after = total[rows - 1], total[-1] - total[rows - 1]
+    explained = (before**2).sum(axis=1) / rows + (after**2).sum(axis=1) / (len(p) - rows)
+    return int(rows[np.argmax(explained)])
 
 
 def _apart(before: Array, after: Array) -> float:

@@ -142,6 +142,20 @@ def test_a_foot_that_moves_on_ends_its_stance_however_slowly_and_shortly(
         assert abs(ends) < 0.055
 
 
+def test_a_foot_that_moves_on_twice_has_three_stances() -> None:
+    shown = standing(91)
+    R, p = shown.truth.writable()
+    for start in (24, 56):
+        share = np.clip((np.arange(len(p)) - start) / 12, 0, 1)
+        p[:, 0] += 0.12 * share**2 * (3 - 2 * share)
+    pins = proposed_pins(shown.skeleton, Trajectory(0, R, p), 30.0, UP)
+    left = [pin.span for pin in pins if pin.part == "left_foot"]
+    assert len(left) == 3
+    assert left[0][0] == 0
+    assert left[1][0] < 40 < 54 < left[1][1] < 64
+    assert left[2][1] == 90
+
+
 def test_feet_that_stay_are_pinned_though_an_error_in_depth_puts_them_into_the_air() -> None:
     """As after a jump that is tracked too near; a foot that does not stay is none."""
     shown = standing()
