@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
-import numpy as np
-
 from keypose.app.posing.labels import part_label
 from keypose.app.posing.placing import tilt_and_roll
 from keypose.app.words.problems import frame_range, named_frames
