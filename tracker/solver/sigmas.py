@@ -49,6 +49,8 @@ TRUNK_DEPTH_M: Final = {"hip": 0.027, "shoulder": 0.04}
 distance in the picture, which a network has too small or too large, turned it by up to 60°."""
 LEAST_DEPTH_M: Final = 0.015
 """Of a depth that tells its own standard deviation, at least."""
+LIFTED_BEND_RAD: Final = np.radians(8.0)
+"""Of how an elbow or a knee bends, by depth that was lifted."""
 FOOT_DEPTH_M: Final = 0.05
 """Of heels and toes in depth beside their ankle."""
 ON_PART_M, ON_PART_BY_EYE_M, FACE_ON_PART_M = 0.02, 0.012, 0.05

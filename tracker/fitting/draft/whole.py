@@ -37,6 +37,7 @@ from keypose.tracker.solver.sigmas import (
     KEYPOINT_DEPTH_M,
     KEYPOINT_SHARE,
     LEAST_DEPTH_M,
+    LIFTED_BEND_RAD,
     LIMIT_RAD,
     TRUNK_DEPTH_M,
     keypoint_blur,
@@ -93,7 +94,7 @@ class Whole:
         return cls(
             scene, joints.seen, observed.uv[:, columns], np.where(known, 1 / sigma, 0.0),
             z - first.ps_camera_root[:, 2:], np.where(known, 1 / depth_m, 0.0),
-            first, scene.precision(DRAFTED),
+            first, _precision(scene, joints, observed),
         )  # fmt: skip
 
     @classmethod
@@ -194,6 +195,16 @@ class Whole:
         if self.depth_scale.any():
             terms.append(DepthFromRoot(self.points, depth, self.depth_scale[rows], Huber()))
         return tuple(terms)
+
+
+def _precision(scene: Scene, joints: Joints, observed: Observed) -> Array:
+    """(D,) of how poses stay near the first ones; where depth was lifted these know how elbows and
+    knees bend: a leg a few per cent too long for what is seen would bend by 20° to make up for it."""
+    usual, skeleton = scene.precision(DRAFTED), scene.skeleton
+    if not observed.is_lifted:
+        return usual
+    bends = np.isin(skeleton.dof_part, [limb.lower.part for limb in joints.limbs])
+    return np.where(bends & (skeleton.dof_turns == 1), LIFTED_BEND_RAD**-2.0, usual)
 
 
 def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Trajectory) -> Array:
