@@ -45,6 +45,12 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
     return up_from_lines(pictures, camera, most / 2)
 
 
+def sure_lines(session: Session, video: Video) -> UprightLines | None:
+    """Those of the whole film where they are good enough to be taken unseen."""
+    lines = upright_lines(session, video)
+    return lines if lines is not None and lines.is_sure else None
+
+
 @dataclass(frozen=True)
 class FindUp(Fit):
     """frame: the present one, the only one that is looked at before a camera that moves."""

@@ -13,7 +13,10 @@ from keypose.app.jobs.job import Context
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.session import Session
+from keypose.tracker.session.annotations import LEARN_FRAMES
 from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
@@ -46,9 +49,20 @@ def learned(
     changes = [place.frame for place in places if place.reason == "person"]
     if lifts_depth(session):
         lifter = depth_lifter(session, file_times_s, up=True)
+        keypoints = keypoints.over(*_looked_at(lifter, keypoints, around))
         keypoints = lifter.of(keypoints, session.subject.body)
     seen, camera = at_one_focal(session, keypoints), session.view.camera
     return refit_drafts(seen, camera, session.subject.body, drafts, posed, around, changes)
+
+
+def _looked_at(
+    lifter: DepthLifter, keypoints: Keypoints, around: Collection[int]
+) -> tuple[int, int]:
+    """First and last of the frames that drafts near some frames are lifted from."""
+    first = max(min(around) - LEARN_FRAMES, keypoints.first_frame)
+    last = min(max(around) + LEARN_FRAMES, keypoints.last_frame)
+    low, high = lifter.looked_at(first, last)
+    return max(low, keypoints.first_frame), min(high, keypoints.last_frame)
 
 
 @dataclass(frozen=True)

@@ -97,6 +97,7 @@ class LiftDrafts(Fit):
             doc.subject.body,
             *filmed_by(doc),
             doc.world.up_world,
+            doc.settings.cues,
             doc.subject.keyframes,
             doc.subject.drafts,
         )

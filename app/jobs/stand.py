@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from keypose.app.editor.documents import softened
-from keypose.app.jobs.find_up import upright_lines
+from keypose.app.jobs.find_up import sure_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import standing_words
@@ -63,7 +63,7 @@ def stood(
     lines = None
     if needs_lines(session):
         with open_video_of(session, path) as video:
-            lines = upright_lines(session, video)
+            lines = sure_lines(session, video)
     motion = None if session.subject.results is None else load_tracks(session, path)
     done = stand(session, results.fitting(session), lines, cancelled, motion=motion)
     for stretch in results.unsolved(done.session):
@@ -92,7 +92,7 @@ class StandOnFloor(Fit):
 
         lines = None
         if needs_lines(session):
-            lines = upright_lines(session, context.cache.video(session, self.video_path))
+            lines = sure_lines(session, context.cache.video(session, self.video_path))
         return stand(session, self.fitting, lines, context.cancelled)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:

@@ -41,6 +41,8 @@ class _Cues(Value):
         asked = [Choice(names=CUES).read(word.strip()) for word in text.split(",")]
         if not {"brightness", "keypoints"} & set(asked):
             raise Misread(f"{asked[0]} cannot track alone; add brightness or keypoints")
+        if "depth" in asked and "keypoints" not in asked:
+            raise Misread("depth is lifted from keypoints; add keypoints")
         return tuple(cue for cue in CUES if cue in asked)
 
 

@@ -34,7 +34,10 @@ def found_person_words(found: PeopleInFilm) -> str:
 
 def assumed_words(height_cm: float | None, lens_mm: float | None) -> str:
     """Say how tall the person is taken to be, and through which lens they are taken to be filmed,
-    with how to say otherwise; None where it is known. Depth and lengths rest on both."""
+    with how to say otherwise; empty where both are known. Depth and lengths rest on them.
+
+    height_cm, lens_mm: None where somebody said it.
+    """
     taken = []
     if height_cm is not None:
         taken.append(f"{height_cm:.0f} cm tall (--height says otherwise)")

@@ -98,6 +98,12 @@ def lines_words(found: UprightLines) -> str:
     return words if off_deg <= SURE_DEG else f"{words} Draw the horizon to be surer."
 
 
+def unsure_lines_words(found: UprightLines) -> str:
+    """The same of lines that were not taken."""
+    off_deg = round(float(np.degrees(OFF_BY_SIGMA * found.sigma_rad)))
+    return f"Upright lines tell the camera's tilt to ± {off_deg}° only, and were not used."
+
+
 def camera_words(up_camera: Sequence[float]) -> str:
     """Such as "The camera looks down by 12°"."""
     tilt, _ = tilt_and_roll(up_camera)

@@ -183,7 +183,9 @@ class Desk:
         around = newly_posed(before, self.state)
         if around:
             used = self.state.doc
-            found = learned(near_frames(used, around), self.opened.session_path.parent, around)
+            times_s = self.opened.info.times_s
+            folder = self.opened.session_path.parent
+            found = learned(near_frames(used, around), folder, around, times_s)
             self.state = with_learned(self.state, used, found)
 
     def _draft(self, action: Draft) -> None:

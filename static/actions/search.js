@@ -120,7 +120,7 @@ export const SETTINGS = [
   { title: 'Ignore masks', tab: 'camera', section: 'Ignore masks', words: 'regions mask exclude occlusion matte roto' },
   { title: 'Recording rate (slow motion)', tab: 'camera', section: 'Video', words: 'frame rate fps frames per second high speed recorded 240 timing' },
   { title: 'Deinterlace', tab: 'camera', section: 'Video', words: 'interlaced fields comb lines' },
-  { title: 'Cues', tab: 'track', section: 'Cues', words: 'brightness keypoints silhouette evidence' },
+  { title: 'Cues', tab: 'track', section: 'Cues', words: 'brightness keypoints depth lifting silhouette evidence' },
   { title: 'Method and quality', tab: 'track', section: 'Method', words: 'settings preview full smooth' },
   { title: 'Tracked motions', tab: 'track', section: 'Tracked motions', words: 'degrees of freedom dof joints locked' },
   { title: 'Results of this segment', tab: 'track', section: 'Segment', words: 'verdict score error rank' },

@@ -61,19 +61,35 @@ class DepthLifter:
         with _LIFTING:
             found = lifted(keypoints, self.camera, self.times_s[rows], up)
         at = [found.names.index(name) for name in JOINTS]
-        axes = self._axes(keypoints)
+        axes = self._axes(found.hips)
         p = np.einsum("nij,nkj->nki", axes, size_m * found.p_hips[:, at])
         sigma_m = size_m * found.sigma[:, at, 1]
         return _with_joints(keypoints, p, sigma_m)
 
-    def _axes(self, keypoints: Keypoints) -> Array:
+    def _axes(self, hips: Array) -> Array:
         """(N, 3, 3) from the camera's axes to those of the landmarks: as if the middle of the hips
-        were in the picture's middle."""
+        (N, 2), in the plane at distance 1, were in the picture's middle."""
         if self.camera.telephoto_distance_m is not None:
-            return np.broadcast_to(np.eye(3), (len(keypoints), 3, 3))
-        hips = [keypoints.names.index(f"{side}_hip") for side in ("left", "right")]
-        ahead = self.camera.back_project(keypoints.uv[:, hips], 1.0)[..., :2].mean(axis=1)
-        return turns(ahead)
+            return np.broadcast_to(np.eye(3), (len(hips), 3, 3))
+        return turns(hips)
+
+
+def depth_along_view(keypoints: Keypoints, camera: Camera) -> Array:
+    """(N, L) metres along the camera's axis from the middle of the hips, by p_hips.
+
+    Depth that was lifted is turned from the axes of landmarks; a network's own stays as it is, as
+    keyframes show by how much it is off. camera: by which the keypoints are seen.
+    """
+    assert keypoints.p_hips is not None
+    z = keypoints.p_hips[..., 2]
+    if keypoints.depth_sigma_m is None or camera.telephoto_distance_m is not None:
+        return z
+    hips = [keypoints.names.index(f"{side}_hip") for side in ("left", "right")]
+    R_landmarks_camera = turns(
+        camera.back_project(keypoints.uv[:, hips], 1.0)[..., :2].mean(axis=1)
+    )
+    turned = np.einsum("nlj,nj->nl", keypoints.p_hips, R_landmarks_camera[:, :, 2])
+    return np.asarray(np.where(np.isfinite(turned), turned, z))
 
 
 def body_size_m(body: Body) -> float | None:
@@ -102,7 +118,8 @@ def _with_joints(keypoints: Keypoints, p_joints: Array, sigma_m: Array) -> Keypo
     shape = (len(keypoints), len(names))
     own = np.full((*shape, 3), np.nan) if keypoints.p_hips is None else keypoints.p_hips
     p, sigma = own.copy(), np.full(shape, np.nan)
-    moved = np.nan_to_num(p_joints - own[:, at])
+    # what hangs on a joint whose own depth is unknown, as of one set by hand, is unknown too
+    moved = np.where(np.isfinite(p_joints), p_joints - own[:, at], 0.0)
     for k, name in enumerate(names):
         carriers = [JOINTS.index(joint) for joint in _carriers(name)]
         p[:, k] += moved[:, carriers].mean(axis=1)

@@ -82,12 +82,15 @@ class Lifted:
     p_hips:      (N, J, 3), x right, y down, z away; NaN where too little is seen.
     sigma:       (N, J, 2) standard deviation across the line of sight, along each of the two axes,
                  and along it; NaN where p_hips is.
+    hips:        (N, 2) the middle of the hips in the plane at distance 1, bridged where it is
+                 hidden for a moment.
     """
 
     first_frame: int
     names: tuple[str, ...]
     p_hips: Array
     sigma: Array
+    hips: Array
 
     def __len__(self) -> int:
         return len(self.p_hips)
@@ -117,7 +120,13 @@ def lifted(
             "keypoints into space."
         )
     if not len(keypoints):
-        return Lifted(keypoints.first_frame, LIFTED, np.empty((0, 16, 3)), np.empty((0, 16, 2)))
+        return Lifted(
+            keypoints.first_frame,
+            LIFTED,
+            np.empty((0, 16, 3)),
+            np.empty((0, 16, 2)),
+            np.empty((0, 2)),
+        )
     xy, seen = _points(keypoints, camera)
     hips = _hips(xy, seen, times)
     seen &= np.isfinite(hips).all(axis=1, keepdims=True)
@@ -134,7 +143,7 @@ def lifted(
         frames = known[first : first + _MOST_AT_ONCE]
         p_turned, sigma[frames] = both_ways(*_windows(xy, seen, times, frames), up[frames])
         p_hips[frames] = p_turned @ Rs_turned_camera[frames]
-    return Lifted(keypoints.first_frame, LIFTED, p_hips, sigma)
+    return Lifted(keypoints.first_frame, LIFTED, p_hips, sigma, hips)
 
 
 def _points(keypoints: Keypoints, camera: Camera) -> tuple[Array, NDArray[np.bool_]]:

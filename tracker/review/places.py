@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -201,10 +202,8 @@ def _tracked_place(
     px: float | None,
 ) -> Place | None:
     """A place of the tracked motion; None where the body is behind the camera."""
-    place = _place(known, track.trajectory.pose(frame), why, frame, part, frames, px)
-    if place is None or px is None:
-        return place
-    return replace(place, cm=known.error_cm(track, frame, part, px))
+    along_m = known.depth_error_m(track, frame, part)
+    return _place(known, track.trajectory.pose(frame), why, frame, part, frames, px, along_m)
 
 
 def _place(
@@ -215,7 +214,9 @@ def _place(
     part: str | None,
     frames: Span,
     px: float | None,
+    along_m: float = 0.0,
 ) -> Place | None:
+    """along_m: by which it is expected to be off along the view."""
     assert known.skeleton is not None
     assert known.camera is not None
     body, index = known.skeleton.body, known.index(part)
@@ -226,7 +227,7 @@ def _place(
     if depth <= 0:
         return None
     scale = known.px_per_m_at(depth, frame)
-    cm = None if px is None or known.guessed else 100 * px / scale
+    cm = None if px is None or known.guessed else 100 * math.hypot(px / scale, along_m)
     joints = np.concatenate([Ts[:, :3, 3], ends])
     return Place(why, frame, part, frames, px, cm, end, scale, joints)
 

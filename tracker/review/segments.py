@@ -147,9 +147,12 @@ class JudgedSegments:
         scale = self.px_per_m(track, frame, part)
         if scale is None or self.guessed:
             return None
+        return 100 * math.hypot(px / scale, self.depth_error_m(track, frame, part))
+
+    def depth_error_m(self, track: SegmentResult, frame: int, part: str | None) -> float:
+        """Metres along the view by which a part is expected to be off; 0 where nobody knows."""
         depths = depth_errors_m(track)
-        along_m = 0.0 if depths is None else float(depths[frame - track.first, self.index(part)])
-        return 100 * math.hypot(px / scale, along_m)
+        return 0.0 if depths is None else float(depths[frame - track.first, self.index(part)])
 
     def height_px(self, track: SegmentResult) -> float | None:
         """Return how tall the body is in the picture in the middle of a segment; None where nobody

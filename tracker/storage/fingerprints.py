@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -241,11 +242,26 @@ def _drafted(session: Session, span: Span) -> list[Any]:
     """Return what a draft's keypoints are in a segment; nothing where they do not count."""
     if session.view.keypoints is None or not has_drafted_keypoints(session):
         return []
-    first, last = span[0] // KEYPOINT_RUN, span[1] // KEYPOINT_RUN
-    if "depth" in session.settings.cues_used:  # which looks beyond the segment
-        first, last = max(first - 1, 0), last + 1
+    beyond = _frames_looked_beyond(session) if _lifts(session) else 0
+    first, last = max(span[0] - beyond, 0) // KEYPOINT_RUN, (span[1] + beyond) // KEYPOINT_RUN
     runs = session.view.keypoints.runs[first : last + 1]
     return [{"drafted": runs}] if runs else []
+
+
+LIFTED_FROM_S: Final = 0.5
+"""Depth is lifted from no frames farther away; where it is lifted knows more exactly."""
+
+
+def _lifts(session: Session) -> bool:
+    """Return whether depth is lifted from keypoints."""
+    return "depth" in session.settings.cues_used and _uses_keypoints(session)
+
+
+def _frames_looked_beyond(session: Session) -> int:
+    """Return how many frames before and after a segment, at most, its depth is lifted from."""
+    one, other = session.subject.keyframes[0], session.subject.keyframes[-1]
+    rate = (other.frame - one.frame) / max(other.time_s - one.time_s, 1e-6)
+    return math.ceil(LIFTED_FROM_S * float(rate))
 
 
 def _looks_for_person(session: Session) -> bool:
@@ -370,7 +386,7 @@ def _keypoints(session: Session) -> list[Any]:
     if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.view.given_keypoints
-    lifted = [LIFTER.sha256] if "depth" in settings.cues_used else []
+    lifted = [LIFTER.sha256, session.view.video.recorded_fps] if _lifts(session) else []
     return ["keypoints", _digest(settings.network_used) if given is None else given.file, *lifted]
 
 

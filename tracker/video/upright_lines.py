@@ -39,6 +39,7 @@ BAR_PX: Final = 4.0
 LEAST_SIGMA_DEG: Final = 0.5
 """Of what is up, however many lines agree: walls and doors lean, lenses bend. Of three films whose
 cameras were calibrated it is 0.6–1.0° off, of which the lines alone would tell 0.4–0.8°."""
+MOST_SIGMA_RAD: Final = np.radians(2.5)
 LEAST_AGREEING, LEAST_LINES = 0.4, 6
 """The share of all length that has to agree, and the number of segments."""
 
@@ -51,6 +52,12 @@ class UprightLines:
     up_camera: Array
     share: float
     sigma_rad: float = np.radians(LEAST_SIGMA_DEG)
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether they are good enough to be taken where nobody looks at them: up that is 10° off
+        harms drafts more than up that is unknown."""
+        return bool(self.sigma_rad <= MOST_SIGMA_RAD)
 
 
 def up_from_lines(
@@ -81,7 +88,11 @@ def up_from_lines(
     share = float(length[agreeing].sum() / length.sum())
     if share < LEAST_AGREEING or agreeing.sum() < LEAST_LINES or not _is_usual(up):
         return None
-    by_lines, by_lens = precisions[1] ** -0.5, focal_spread * abs(float(np.arcsin(up[2])))
+    # pictures of a camera that stands still show the same lines
+    by_lines, by_lens = (
+        math.sqrt(len(pictures) / precisions[1]),
+        focal_spread * abs(float(np.arcsin(up[2]))),
+    )
     return UprightLines(up, share, math.hypot(np.radians(LEAST_SIGMA_DEG), by_lines, by_lens))
 
 

@@ -46,7 +46,7 @@ from keypose.app.words.people import (
     found_person_words,
     undrafted_words,
 )
-from keypose.app.words.standing import lines_words
+from keypose.app.words.standing import lines_words, unsure_lines_words
 from keypose.tracker.body.modify import height
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_own
@@ -183,8 +183,10 @@ def _drafted(
         require_draftable(session, record.frame, record.box, frames)
         who = WhoIsDrafted(record.frame, record.box)
         if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
-            session = session.with_up(lines.up_camera)
-            record = record.with_note(lines_words(lines))
+            if lines.is_sure:
+                session = session.with_up(lines.up_camera)
+            words = lines_words if lines.is_sure else unsure_lines_words
+            record = record.with_note(words(lines))
         session = with_repeats(session, video, *frames)
         report_share = _sender(send, "draft", None)
 

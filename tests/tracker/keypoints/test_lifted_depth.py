@@ -11,7 +11,11 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.modify import with_height
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.keypoints.lifted_depth import DepthLifter, body_size_m
+from keypose.tracker.keypoints.lifted_depth import (
+    DepthLifter,
+    body_size_m,
+    depth_along_view,
+)
 from keypose.tracker.session.annotations import KeypointCorrection
 from tests.tracker.fitting.draft.clips import BODY, CAMERA, joints_of, place, walk
 
@@ -78,6 +82,36 @@ def test_a_joint_that_a_person_set_gets_the_depth_that_belongs_there() -> None:
     found = LIFTER.of(corrected, BODY)
     assert found.p_hips is not None
     assert np.isfinite(found.p_hips[20, wrist]).all()
+
+
+def test_what_hangs_on_a_joint_that_a_person_set_has_no_depth_of_another_network() -> None:
+    ankle, heel = place("left_ankle"), place("left_heel")
+    at = tuple(CLIP.keypoints.uv[20, ankle].tolist())
+    set_by_hand = KeypointCorrection(frame=20, joint="left_ankle", uv=at)
+    found = LIFTER.of(CLIP.keypoints.corrected([set_by_hand]), BODY)
+    assert found.p_hips is not None
+    assert np.isnan(found.p_hips[20, heel]).all()
+    assert np.isfinite(found.p_hips[19, heel]).all()
+
+
+def test_hips_that_are_hidden_for_a_moment_leave_the_others_their_depth() -> None:
+    uv, visibility = CLIP.keypoints.uv.copy(), CLIP.keypoints.visibility.copy()
+    uv[20:23, place("left_hip")], visibility[20:23, place("left_hip")] = np.nan, 0.0
+    found = LIFTER.of(replace(CLIP.keypoints, uv=uv, visibility=visibility, p_hips=None), BODY)
+    off = depth_m(found)[20:23] - truth_m()[20:23]
+    assert np.sqrt((off**2).mean()) < 0.12
+
+
+def test_along_the_view_depth_is_that_of_the_camera_wherever_the_person_is() -> None:
+    aside = walk(40, facing_deg=60, place=(2.6, 0.1, 4.5))
+    z = joints_of(aside.body, aside.poses)[..., 2]
+    hips = [JOINTS.index("left_hip"), JOINTS.index("right_hip")]
+    known = z - z[:, hips].mean(axis=1, keepdims=True)
+    found = LIFTER.of(aside.keypoints, BODY)
+    turned = depth_along_view(found, CAMERA)[:, AT]
+    assert found.p_hips is not None
+    as_landmarks = found.p_hips[:, AT, 2]
+    assert np.abs(turned - known).mean() < 0.7 * np.abs(as_landmarks - known).mean()
 
 
 @pytest.mark.parametrize(

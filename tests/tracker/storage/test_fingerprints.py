@@ -15,13 +15,19 @@ from keypose.tracker.body.body import Twist, preset
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
+from keypose.tracker.keypoints.lifting import OFFSETS_S
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage import fingerprints
-from keypose.tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
+from keypose.tracker.storage.fingerprints import (
+    LIFTED_FROM_S,
+    segment_key,
+    segment_keys,
+    without_part_keyframes,
+)
 from keypose.tracker.storage.networks import add_own
 from keypose.tracker.storage.results import (
     Results,
@@ -169,6 +175,11 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, settings=every_cue) != keys(detected)  # by the mask of the person
     lifted = both_cues.model_copy(update={"cues": (*both_cues.cues, "depth")})
     assert keys(detected, settings=lifted) != keys(detected)
+    quick = detected.view.video.model_copy(update={"recorded_fps": 240.0})
+    assert keys(detected, settings=lifted, video=quick) != keys(detected, settings=lifted)
+    alone = both_cues.model_copy(update={"cues": ("brightness", "depth")})
+    brightness = both_cues.model_copy(update={"cues": ("brightness",)})
+    assert keys(detected, settings=alone) == keys(detected, settings=brightness)
     thing = {"body": session().subject.body, "keyframes": session().subject.keyframes}
     assert keys(detected, **thing, settings=every_cue) == keys(detected, **thing)
     still, with_all = (c.model_copy(update={"static_camera": True}) for c in (both_cues, every_cue))
@@ -206,11 +217,17 @@ def test_a_drafts_keypoints_count_in_the_segments_of_their_frames(
     assert keys(person, keypoints=again)[0] != of_draft[0], "its end is in the second run"
     assert keys(person, keypoints=later)[0] == of_draft[0]
     assert keys(person, keypoints=later)[1] != of_draft[1]
-    settings = both.model_copy(update={"cues": (*both.cues, "depth")})  # which looks beyond it
-    last = drafted.model_copy(update={"runs": (*later.runs, "44444444")})
-    ends = [keys(person, keypoints=k, settings=settings) for k in (drafted, later, last)]
-    assert [ends[1][n] != ends[0][n] for n in (0, 1)] == [True, True]
-    assert [ends[2][n] != ends[1][n] for n in (0, 1)] == [False, True]
+    lifted = both.model_copy(update={"cues": (*both.cues, "depth")})  # which looks beyond it
+    apart = person.subject.keyframes[-1].frame - person.subject.keyframes[0].frame
+    slow, quick = (
+        [k.model_copy(update={"time_s": k.frame * step}) for k in person.subject.keyframes]
+        for step in (2 * LIFTED_FROM_S, LIFTED_FROM_S / (apart + 8))
+    )
+    for keyframes, changed in ((slow, [False, True]), (quick, [True, True])):
+        of = person.changed({"settings": lifted, "keyframes": tuple(keyframes)})
+        ends = [keys(of, keypoints=k) for k in (drafted, later)]
+        assert [ends[0][n] != ends[1][n] for n in (0, 1)] == changed
+    assert OFFSETS_S[-1] < LIFTED_FROM_S
     assert keys(person, keypoints=drafted.model_copy(update={"model": "", "runs": ()})) == plain
     for changes in ({"network": "heavy"}, {"cues": ("brightness",)}):
         settings = both.model_copy(update=changes)

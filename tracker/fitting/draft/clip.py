@@ -8,7 +8,6 @@ of what it is off by all the time, where the poses agree.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -42,7 +41,7 @@ from keypose.tracker.keypoints.region import Box
 from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
-WORSE = float(os.environ.get("WORSE", "1.1"))
+WORSE = 1.1
 """Limbs stay as drafted where turning them in depth costs so many times more: what limits and the
 picture do not bear. Less than that decides nothing: both sides look the same."""
 FEW_POINTS = 0.1

@@ -21,7 +21,7 @@ from keypose.tracker.fitting.draft.clip import FEW_POINTS, filled, middle
 from keypose.tracker.fitting.draft.depth_signs import consistent_sides
 from keypose.tracker.fitting.draft.judged import NEAREST_M
 from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends
-from keypose.tracker.fitting.draft.whole import Whole
+from keypose.tracker.fitting.draft.whole import Whole, in_camera
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
@@ -218,7 +218,8 @@ class _PosedRun:
     ) -> Array:
         """(N, 12) metres farther than the root; NaN where nothing shows it."""
         own = points.at(first.transforms(self.skeleton))[..., 2] - first.ps_camera_root[:, 2:]
-        depth = seen.p_hips[:, : len(JOINTS), 2].copy()
+        p = in_camera(self.camera, seen) if seen.is_lifted else seen.p_hips
+        depth = p[:, : len(JOINTS), 2].copy()
         for k in range(len(JOINTS)):
             rows = [
                 n for n in posed_rows if np.isfinite(depth[n, k]) and seen.visibility[n, k] > SEEN

@@ -20,6 +20,7 @@ from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.first_poses import landmark_axes
 from keypose.tracker.fitting.draft.observed import POINTS, Joints, Observed, place_of
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import height_px
@@ -198,13 +199,14 @@ class Whole:
 
 
 def _precision(scene: Scene, joints: Joints, observed: Observed) -> Array:
-    """(D,) of how poses stay near the first ones; where depth was lifted these know how elbows and
-    knees bend: a leg a few per cent too long for what is seen would bend by 20° to make up for it."""
+    """(D,) of how poses stay near the first ones. Where depth was lifted these know how elbows and
+    knees bend: a leg that is a few per cent too long would bend by 20° to make up for that."""
     usual, skeleton = scene.precision(DRAFTED), scene.skeleton
     if not observed.is_lifted:
         return usual
     bends = np.isin(skeleton.dof_part, [limb.lower.part for limb in joints.limbs])
-    return np.where(bends & (skeleton.dof_turns == 1), LIFTED_BEND_RAD**-2.0, usual)
+    hinges = bends & (skeleton.dof_turns == 1)
+    return np.asarray(np.where(hinges, LIFTED_BEND_RAD**-2.0, usual))
 
 
 def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Trajectory) -> Array:
@@ -213,7 +215,7 @@ def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Traj
     columns, points = joints.ends
     root, depth = posed.ps_camera_root[:, 2], np.full((len(posed), len(columns)), np.nan)
     Ts = posed.transforms(scene.skeleton)
-    p = _in_camera(scene, observed)
+    p = in_camera(scene.camera, observed)
     for k, ((part, _),) in enumerate(points.points):
         side, _, end = POINTS[columns[k]].partition("_")
         if end in FOOT_ENDS:
@@ -222,11 +224,11 @@ def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Traj
     return depth
 
 
-def _in_camera(scene: Scene, observed: Observed) -> Array:
+def in_camera(camera: Camera, observed: Observed) -> Array:
     """(N, K, 3) the landmarks along the axes of the camera; NaN where nobody is seen."""
     p, known = np.full_like(observed.p_hips, np.nan), observed.known
     for n in np.flatnonzero(known.any(axis=1)):
-        p[n] = observed.p_hips[n] @ landmark_axes(scene.camera, observed.uv[n], known[n]).T
+        p[n] = observed.p_hips[n] @ landmark_axes(camera, observed.uv[n], known[n]).T
     return p
 
 

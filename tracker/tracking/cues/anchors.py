@@ -20,6 +20,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.lifted_depth import depth_along_view
 from keypose.tracker.keypoints.on_body import FEWEST, OTHER_PERSON, height_px, points_on_body
 from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.least_squares import damped_step
@@ -318,7 +319,7 @@ def _depths(
     linearly between."""
     if seen.p_hips is None:
         return np.zeros((len(seen), len(index))), np.zeros((len(seen), len(index)))
-    z = seen.p_hips[:, index, 2]
+    z = depth_along_view(seen, scene.camera)[:, index]
     missing = np.full((2, len(index)), np.nan)
     for row, (n, pose) in enumerate(keyed.items()):
         p = Posed.of(scene.skeleton, pose).points(parts, points)

@@ -59,7 +59,8 @@ class FrameSource(Protocol):
 
 
 class KeypointSource(FrameSource, Protocol):
-    """What gives keypoints. A segment's depend on nothing but its own frames and keyposes."""
+    """What gives keypoints. A segment's depend on nothing but its own frames and keyposes; depth
+    that is lifted, on frames around it as well."""
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
