@@ -12,7 +12,6 @@ from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.session import Session
@@ -30,12 +29,13 @@ Learned: TypeAlias = Mapping[int, Pose]
 
 
 def learned(
-    session: Session, folder: Path, around: Collection[int], file_times_s: Array
+    session: Session, folder: Path, around: Collection[int], lifter: DepthLifter | None = None
 ) -> Learned:
     """The drafts near some keyframes with what all keyframes there give of the keypoints; none
     where the keypoints are not beside the session any more.
 
-    folder: of the session's file.  file_times_s: (frames,) of the film's.
+    folder: of the session's file.  lifter: what gives keypoints their depth; None where they keep
+    their own.
     """
     from keypose.tracker.fitting.draft import refit_drafts  # loads what only this needs
 
@@ -47,8 +47,7 @@ def learned(
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     places = session.subject.drafted.places if session.subject.drafted else ()
     changes = [place.frame for place in places if place.reason == "person"]
-    if lifts_depth(session):
-        lifter = depth_lifter(session, file_times_s, up=True)
+    if lifter is not None:
         keypoints = keypoints.over(*_looked_at(lifter, keypoints, around))
         keypoints = lifter.of(keypoints, session.subject.body)
     seen, camera = at_one_focal(session, keypoints), session.view.camera
@@ -81,8 +80,11 @@ class LearnDrafts(Fit):
         return cls(*sent(opened, near, drafts=near.subject.drafts), tuple(sorted(around)))
 
     def work(self, session: Session, context: Context) -> Learned:
-        times_s = context.cache.video(session, self.video_path).info.times_s
-        return learned(session, Path(self.folder), self.around, times_s)
+        lifter = None
+        if lifts_depth(session):
+            times_s = context.cache.video(session, self.video_path).info.times_s
+            lifter = depth_lifter(session, times_s, up=True)
+        return learned(session, Path(self.folder), self.around, lifter)
 
     def taken(self, found: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:
         """The state with what drafts learned from keyframes as they were when it began."""

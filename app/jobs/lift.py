@@ -66,8 +66,10 @@ class LiftDrafts(Fit):
             share = progress.done / max(progress.expected, 1)
             context.report(share, f"Posing: {progress.done} of {progress.expected} frames")
 
-        times_s = context.cache.video(session, self.video_path).info.times_s
-        lifter = depth_lifter(session, times_s, up=True) if lifts_depth(session) else None
+        lifter = None
+        if lifts_depth(session):
+            times_s = context.cache.video(session, self.video_path).info.times_s
+            lifter = depth_lifter(session, times_s, up=True)
         found = draft_from_keypoints(
             keypoints,
             session.view.camera,

@@ -40,6 +40,7 @@ from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
 from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.pool import SegmentFinished, never
 from keypose.tracker.video import Video
@@ -183,9 +184,9 @@ class Desk:
         around = newly_posed(before, self.state)
         if around:
             used = self.state.doc
-            times_s = self.opened.info.times_s
-            folder = self.opened.session_path.parent
-            found = learned(near_frames(used, around), folder, around, times_s)
+            folder, times_s = self.opened.session_path.parent, self.opened.info.times_s
+            lifter = depth_lifter(used, times_s, up=True) if lifts_depth(used) else None
+            found = learned(near_frames(used, around), folder, around, lifter)
             self.state = with_learned(self.state, used, found)
 
     def _draft(self, action: Draft) -> None:
