@@ -97,6 +97,10 @@ class Keypose:
         self._entered = self._entered or enter(self.address)
         return self._entered
 
+    def enter_again(self) -> None:
+        """Be let in anew: of all browsers that ever were the newest are known alone."""
+        self._entered = enter(self.address)
+
     @property
     def origin(self) -> str:
         return self.address.split("/?")[0]

@@ -172,6 +172,7 @@ class Office:
         self, source: Path, *, size: tuple[int, int] = SIZE, late: bool = True
     ) -> Iterator[Desk]:
         """A page of a session or film in the folder; there is one desk at a time."""
+        self.keypose.enter_again()  # tests before this one may have let in many browsers
         visitor = Visitor(self.keypose)
         before = visitor.seen["file"]
         # The folder that Keypose runs in is 0, that of the session it was begun with 1.
