@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from keypose.app.editor.ahead import without_followed
 from keypose.app.editor.documents import (
@@ -134,13 +135,27 @@ def with_accepted(doc: Session, frames: Collection[int]) -> Session:
     return with_drafts(doc, [draft for draft in doc.subject.drafts if draft.frame not in frames])
 
 
+SAME_UP_DEG: Final = 2.0
+"""Standing turns what is up by about as much, and drafts are no better for it."""
+
+
 def has_drafts_for_other_up(doc: Session) -> bool:
     """Return whether drafts that nobody has posed were found for another up than the session has by
     now, and can be found anew from their keypoints."""
-    found = doc.subject.drafted
-    if found is None or doc.world.up_world is None or found.up_camera == doc.world.up_world:
+    found, up = doc.subject.drafted, doc.world.up_world
+    if found is None or up is None:
+        return False
+    if found.up_camera is not None and _apart_deg(found.up_camera, up) < SAME_UP_DEG:
         return False
     return _has_found_keypoints(doc) and bool(to_lift(doc))
+
+
+def _apart_deg(one: Position, other: Position) -> float:
+    """The angle between two directions."""
+    share = (
+        sum(a * b for a, b in zip(one, other, strict=True)) / math.hypot(*one) / math.hypot(*other)
+    )
+    return math.degrees(math.acos(max(-1.0, min(1.0, share))))
 
 
 def to_lift(doc: Session) -> frozenset[int]:

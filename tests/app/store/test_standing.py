@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.app.editor.drafted import has_drafts_for_other_up
 from keypose.app.jobs.find_up import FindUp
 from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
@@ -206,6 +207,22 @@ async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_
     assert not Worker.newest.of(LearnDrafts)
     tracking = Worker.newest.of(Track)[-1]
     assert tracking.spans == [(0, 30), (30, 60)]
+
+
+@pytest.mark.parametrize(("turned_deg", "is_other"), [(0.0, False), (1.5, False), (4.0, True)])
+async def test_up_that_standing_turned_a_little_is_no_other_up_to_drafts(
+    at: Desk, turned_deg: float, is_other: bool
+) -> None:
+    at.track()
+    at.draft()
+    drafted = at.doc.subject.drafted
+    assert drafted is not None
+    turned = np.radians(turned_deg)
+    ups = {
+        "drafted": drafted.model_copy(update={"up_camera": (0.0, -1.0, 0.0)}),
+        "up_world": (0.0, float(-np.cos(turned)), float(np.sin(turned))),
+    }
+    assert has_drafts_for_other_up(at.doc.changed(ups)) == is_other
 
 
 NOTHING_TO_LIFT: dict[str, dict[str, Any]] = {
