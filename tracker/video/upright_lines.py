@@ -47,17 +47,26 @@ LEAST_AGREEING, LEAST_LINES = 0.4, 6
 @dataclass(frozen=True, eq=False)
 class UprightLines:
     """up_camera: unit vector (3,).  share: of the length of all steep lines that agrees.
-    sigma_rad: its standard deviation, where that is largest."""
+
+    lines_sigma_rad: its standard deviation, where that is largest, by the lens as it is taken.
+    lens_sigma_rad: what a lens that is a guess adds: it tilts all that is seen by it alike.
+    """
 
     up_camera: Array
     share: float
-    sigma_rad: float = np.radians(LEAST_SIGMA_DEG)
+    lines_sigma_rad: float = np.radians(LEAST_SIGMA_DEG)
+    lens_sigma_rad: float = 0.0
+
+    @property
+    def sigma_rad(self) -> float:
+        """The standard deviation of both."""
+        return math.hypot(self.lines_sigma_rad, self.lens_sigma_rad)
 
     @property
     def is_sure(self) -> bool:
         """Whether they are good enough to be taken where nobody looks at them: up that is 10° off
         harms drafts more than up that is unknown."""
-        return bool(self.sigma_rad <= MOST_SIGMA_RAD)
+        return bool(self.lines_sigma_rad <= MOST_SIGMA_RAD)
 
 
 def up_from_lines(
@@ -93,7 +102,7 @@ def up_from_lines(
         math.sqrt(len(pictures) / precisions[1]),
         focal_spread * abs(float(np.arcsin(up[2]))),
     )
-    return UprightLines(up, share, math.hypot(np.radians(LEAST_SIGMA_DEG), by_lines, by_lens))
+    return UprightLines(up, share, math.hypot(np.radians(LEAST_SIGMA_DEG), by_lines), by_lens)
 
 
 def up_from_segments(ends: Array, camera: Camera) -> Array | None:
