@@ -146,7 +146,7 @@ def drafted(
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import find_model
     from keypose.tracker.storage.cache import Detections
-    from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
+    from keypose.tracker.storage.lifting import lifter_for_drafts
 
     detected = _Detected.at_box(at)
 
@@ -163,8 +163,7 @@ def drafted(
     reporter, began = DraftReporter(report, cancelled), time.monotonic()
     film, kept = session.view.video.pictures, Detections()
     half = not needs_masks(session) and model.skips_frames_at(video.info.fps)
-    times_s, lifts = video.info.times_s, lifts_depth(session)
-    lifter = depth_lifter(session, times_s, up=True) if lifts else None
+    lifter = lifter_for_drafts(session, lambda: video.info.times_s)
     try:
         found = draft_clip(
             picture, frames, at, box, camera, session.subject.body, network, again=network.plain,

@@ -16,7 +16,7 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import LEARN_FRAMES
-from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
+from keypose.tracker.storage.lifting import lifter_for_drafts
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
@@ -80,10 +80,9 @@ class LearnDrafts(Fit):
         return cls(*sent(opened, near, drafts=near.subject.drafts), tuple(sorted(around)))
 
     def work(self, session: Session, context: Context) -> Learned:
-        lifter = None
-        if lifts_depth(session):
-            times_s = context.cache.video(session, self.video_path).info.times_s
-            lifter = depth_lifter(session, times_s, up=True)
+        lifter = lifter_for_drafts(
+            session, lambda: context.cache.video(session, self.video_path).info.times_s
+        )
         return learned(session, Path(self.folder), self.around, lifter)
 
     def taken(self, found: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:

@@ -17,7 +17,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.session import Session
-from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
+from keypose.tracker.storage.lifting import lifter_for_drafts
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:
@@ -66,10 +66,9 @@ class LiftDrafts(Fit):
             share = progress.done / max(progress.expected, 1)
             context.report(share, f"Posing: {progress.done} of {progress.expected} frames")
 
-        lifter = None
-        if lifts_depth(session):
-            times_s = context.cache.video(session, self.video_path).info.times_s
-            lifter = depth_lifter(session, times_s, up=True)
+        lifter = lifter_for_drafts(
+            session, lambda: context.cache.video(session, self.video_path).info.times_s
+        )
         found = draft_from_keypoints(
             keypoints,
             session.view.camera,

@@ -40,7 +40,7 @@ from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
+from keypose.tracker.storage.lifting import lifter_for_drafts
 from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.pool import SegmentFinished, never
 from keypose.tracker.video import Video
@@ -184,8 +184,8 @@ class Desk:
         around = newly_posed(before, self.state)
         if around:
             used = self.state.doc
-            folder, times_s = self.opened.session_path.parent, self.opened.info.times_s
-            lifter = depth_lifter(used, times_s, up=True) if lifts_depth(used) else None
+            folder = self.opened.session_path.parent
+            lifter = lifter_for_drafts(used, lambda: self.opened.info.times_s)
             found = learned(near_frames(used, around), folder, around, lifter)
             self.state = with_learned(self.state, used, found)
 

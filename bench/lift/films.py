@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.clips import person_reference
+from bench.markers import LATE_S
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -20,8 +21,6 @@ OF_MARKERS = {"femur": "hip", "tibia": "knee", "talus": "ankle", "humerus": "sho
               "ulna": "elbow", "hand": "wrist"}  # fmt: skip
 NAMES = [f"{side}_{joint}" for joint in OF_MARKERS.values() for side in ("right", "left")]
 """The twelve joints that are compared."""
-LATE_S = 0.0165
-"""By how much the films' time lags behind the markers'."""
 
 
 @dataclass(frozen=True, eq=False)

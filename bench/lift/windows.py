@@ -190,7 +190,6 @@ class How:
     noise: float = 1.0
     own_share: float = 0.33
     children: float = CHILDREN
-    proportions: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,10 +222,9 @@ def batch(
     sources: list[tuple[Motions, int]],
     rng: np.random.Generator,
     how: How = How(),
-    rows: Array | None = None,
 ) -> Batch:
-    """Windows, so many of each source; rows: which, in place of drawn ones, of a single source."""
-    parts = [_windows(motions, count, rng, rows) for motions, count in sources]
+    """Windows, so many of each source."""
+    parts = [_windows(motions, count, rng) for motions, count in sources]
     joints, root, inside, clip = (np.concatenate([part[k] for part in parts]) for k in range(4))
     if how.mixed_arms or how.mixed_legs:
         joints = _mixed(joints, rng, how)
@@ -234,19 +232,17 @@ def batch(
     joints[flip] = joints[flip][:, :, SWAPPED]
     joints[flip, ..., 0] *= -1
     root[flip, ..., 0] *= -1
-    if how.proportions:
-        joints = _resized(joints, rng, how)
+    joints = _resized(joints, rng, how)
     return _seen(joints, root, inside, clip, rng, how)
 
 
 def _windows(
-    motions: Motions, count: int, rng: np.random.Generator, rows: Array | None
+    motions: Motions, count: int, rng: np.random.Generator
 ) -> tuple[Array, Array, Array, Array]:
     """Joints (B, 9, 19, 3) from the hips' middle, that (B, 9, 3), what is within the clip (B, 9),
     and the clip (B,)."""
-    if rows is None:
-        drawn = np.searchsorted(motions.drawn, rng.random(count))
-        rows = np.minimum(drawn, len(motions.rows) - 1)
+    drawn = np.searchsorted(motions.drawn, rng.random(count))
+    rows = np.minimum(drawn, len(motions.rows) - 1)
     tempo = rng.uniform(0.75, 1.3, (len(rows), 1))
     at = motions.rows[rows][:, None] + OFFSETS_S * RATE * tempo
     first, last = motions.first[rows][:, None], motions.last[rows][:, None]

@@ -242,7 +242,7 @@ def _drafted(session: Session, span: Span) -> list[Any]:
     """Return what a draft's keypoints are in a segment; nothing where they do not count."""
     if session.view.keypoints is None or not has_drafted_keypoints(session):
         return []
-    beyond = _frames_looked_beyond(session) if _lifts(session) else 0
+    beyond = _frames_looked_beyond(session) if lifts_depth(session) else 0
     first, last = max(span[0] - beyond, 0) // KEYPOINT_RUN, (span[1] + beyond) // KEYPOINT_RUN
     runs = session.view.keypoints.runs[first : last + 1]
     return [{"drafted": runs}] if runs else []
@@ -252,8 +252,8 @@ LIFTED_FROM_S: Final = 0.5
 """Depth is lifted from no frames farther away; where it is lifted knows more exactly."""
 
 
-def _lifts(session: Session) -> bool:
-    """Return whether depth is lifted from keypoints."""
+def lifts_depth(session: Session) -> bool:
+    """Return whether the depth of keypoints is lifted from what is seen around a frame."""
     return "depth" in session.settings.cues_used and _uses_keypoints(session)
 
 
@@ -386,7 +386,7 @@ def _keypoints(session: Session) -> list[Any]:
     if not _uses_keypoints(session):
         return []
     settings, given = session.settings, session.view.given_keypoints
-    lifted = [LIFTER.sha256, session.view.video.recorded_fps] if _lifts(session) else []
+    lifted = [LIFTER.sha256, session.view.video.recorded_fps] if lifts_depth(session) else []
     return ["keypoints", _digest(settings.network_used) if given is None else given.file, *lifted]
 
 

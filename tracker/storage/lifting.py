@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
-from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.schema import Session
-
-
-def lifts_depth(session: Session) -> bool:
-    """Whether the depth of keypoints is lifted from what is seen around a frame."""
-    settings = session.settings
-    wanted = settings.method == "keypose" and {"keypoints", "depth"} <= set(settings.cues_used)
-    return wanted and is_persons(session.subject.body)
+from keypose.tracker.storage.fingerprints import lifts_depth
 
 
 def depth_lifter(session: Session, file_times_s: Array, *, up: bool = False) -> DepthLifter:
@@ -24,6 +19,14 @@ def depth_lifter(session: Session, file_times_s: Array, *, up: bool = False) -> 
     """
     times_s = session.evidence.times_s(file_times_s)
     return DepthLifter(session.view.camera, times_s, _up_camera(session) if up else None)
+
+
+def lifter_for_drafts(session: Session, file_times_s: Callable[[], Array]) -> DepthLifter | None:
+    """The same for drafts, which are told what is up; None where the session's cues leave it out.
+
+    file_times_s: asked only where it is needed: a film may have to be opened for it.
+    """
+    return depth_lifter(session, file_times_s(), up=True) if lifts_depth(session) else None
 
 
 def _up_camera(session: Session) -> Array | None:

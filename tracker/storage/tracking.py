@@ -20,12 +20,13 @@ from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import (
     background_turns,
     has_drafted_keypoints,
+    lifts_depth,
     needs_masks,
     segment_keys,
     steady_camera,
     without_part_keyframes,
 )
-from keypose.tracker.storage.lifting import depth_lifter, lifts_depth
+from keypose.tracker.storage.lifting import depth_lifter
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps

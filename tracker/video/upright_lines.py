@@ -40,6 +40,7 @@ LEAST_SIGMA_DEG: Final = 0.5
 """Of what is up, however many lines agree: walls and doors lean, lenses bend. Of three films whose
 cameras were calibrated it is 0.6–1.0° off, of which the lines alone would tell 0.4–0.8°."""
 MOST_SIGMA_RAD: Final = np.radians(2.5)
+"""Lines that tell less are not taken unseen."""
 LEAST_AGREEING, LEAST_LINES = 0.4, 6
 """The share of all length that has to agree, and the number of segments."""
 
