@@ -108,7 +108,7 @@ def motion_files(
     kind = FORMATS[format_name]
     made = sampled(recording, order, kind.own_times)
     contents = kind.contents(made, order)
-    return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
+    return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=False)}
 
 
 def _bytes(content: str | bytes) -> bytes:

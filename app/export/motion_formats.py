@@ -29,7 +29,8 @@ class Format:
     words: what it is for, and in which units and axes.  write: one recording as it; or the dotted
     name of what writes a recording where no option matters.
     names: of its files, "motion" and what follows the session's name where the page saves one of
-    them; of several it makes one zip.  media_type: of the one file.
+    them; of several it makes one zip. The last of them is left out of a motion that has nothing to
+    put there.  media_type: of the one file.
     reader, icon, search, remark: in the page who reads it, its sign, words it is found by, and what
     a person should know; then: what is left to do with its files, a sentence.
     title: what its action is called in lists; label: its short name.
@@ -121,6 +122,12 @@ def _csv(recording: Recording, _order: MotionOrder) -> Sequence[str]:
     return joints, angles, frames_csv(recording)
 
 
+def _mot(recording: Recording, _order: MotionOrder) -> Sequence[str]:
+    from keypose.tracker.formats.opensim.mot import mot_files
+
+    return mot_files(recording)
+
+
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "bones in motion for animation programs, metres unless --unit says another, degrees",
@@ -159,7 +166,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     ),
     "mot": Format(
         "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal",
-        "opensim.mot.mot", ("motion.mot",), "text/plain", "OpenSim joint angles", "rot",
+        _mot, ("motion.mot", "motion-errors.mot"), "text/plain", "OpenSim joint angles", "rot",
         title="Export joint angles as MOT", gaps=False,
     ),
     "c3d": Format(

@@ -16,8 +16,9 @@ from keypose.tracker.apart import read_apart
 from keypose.tracker.formats.marker_files import trc
 from keypose.tracker.formats.marker_sets import markers_of
 from keypose.tracker.formats.opensim.model import read_model, scaled
-from keypose.tracker.formats.opensim.mot import mot, trunk_flexion
+from keypose.tracker.formats.opensim.mot import mot_files, trunk_flexion
 from keypose.tracker.formats.opensim.setups import (
+    ERRORS_FILE,
     IK_FILE,
     MARKERS_FILE,
     MOTION_FILE,
@@ -62,7 +63,7 @@ def files_for_model(
     bend = None if sizes.shows_tilt else trunk_flexion(model)
     texts = {
         "motion.trc": trc(made),
-        MOTION_FILE: mot(made, model),
+        **dict(zip((MOTION_FILE, ERRORS_FILE), mot_files(made, model), strict=False)),
         MARKERS_FILE: markers_xml(sizes),
         SCALE_FILE: scale_xml(sizes, _from(out, model_path), larger),
         IK_FILE: ik_xml(sizes.placed, larger, times_s, beside=[] if bend is None else [bend]),

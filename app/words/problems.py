@@ -125,6 +125,7 @@ _REASONS: Final[Mapping[ProblemCause, Callable[[Problem], str]]] = {
     "uncertain": lambda _: PASSES,
     "not_followed": lambda _: PASSES,
     "diverged": lambda _: PASSES,
+    "depth": lambda found: f"a guess in depth, {frame_range(*found.frames)}",
     "fast_motion": lambda _: "fast motion, blurred",
     "longest_interval": lambda found: f"longest interval, {_length(found)} frames",
     "drift": lambda found: f"most drift in {frame_range(*found.span)}",

@@ -60,11 +60,16 @@ const nameOf = ({ side, part }) => (SIDES[side] ? SIDES[side].toLowerCase() : pa
  */
 export function angleTable(shown, secondsAt) {
   const word = `${shown.joint}_${shown.angle}`;
-  const head = ['frame', 'time_s', ...shown.sides.map((side) => (SIDES[side.side] ? `${nameOf(side)}_${word}_deg` : `${word}_deg`))];
+  const columns = shown.sides.flatMap((side) => {
+    const name = SIDES[side.side] ? `${nameOf(side)}_${word}` : word;
+    const own = { head: `${name}_deg`, values: side.values };
+    return side.errors ? [own, { head: `${name}_expected_error_deg`, values: side.errors }] : [own];
+  });
+  const head = ['frame', 'time_s', ...columns.map((column) => column.head)];
   const [first, last] = framesWithAngle(shown) ?? [0, -1];
   const rows = Array.from({ length: last - first + 1 }, (_, n) => {
     const frame = first + n;
-    return [frame, secondsAt(frame).toFixed(4), ...shown.sides.map(({ values }) => values[frame] ?? '')];
+    return [frame, secondsAt(frame).toFixed(4), ...columns.map(({ values }) => values[frame] ?? '')];
   });
   return `${[head, ...rows].map((row) => row.join(',')).join('\r\n')}\r\n`;
 }

@@ -24,5 +24,5 @@ const READERS = {
   need: listOf,
   lanes: (lanes) => listsIn(lanes),
   curve: (curve) => listsIn(curve, ['x', 'y', 'z', 'error']),
-  joint_angle: (shown) => ({ ...shown, sides: shown.sides.map((side) => listsIn(side, ['values'])) }),
+  joint_angle: (shown) => ({ ...shown, sides: shown.sides.map((side) => listsIn(side, side.errors ? ['values', 'errors'] : ['values'])) }),
 };

@@ -183,7 +183,9 @@
  * @property {string} label  "Knee flexion"
  * @property {string} positive
  * @property {string} negative
- * @property {{ side: 'L' | 'R' | 'C', part: string, values: Series }[]} sides  part: the one that the joint carries.
+ * @property {{ side: 'L' | 'R' | 'C', part: string, values: Series, errors: Series | null }[]} sides  part: the one that the joint
+ *   carries. errors: degrees by which a value is expected to be off; null where depth was not lifted.
+ * @property {number} guess  A value that is expected to be off by more degrees is a guess.
  * @property {{ joint: string, angle: string, label: string }[]} choices
  */
 

@@ -73,10 +73,12 @@ function card(shown) {
 }
 
 /** Where the side is at the playhead, and between which values it moves. */
-function sideNow({ side, values }) {
+function sideNow({ side, values, errors }) {
+  const off = errors?.[frame()] ?? null;
   const found = extremes(values);
   const range = found ? `${degrees(found.low.value)} to ${degrees(found.high.value)}` : '';
   return html`<span class="side ${side}"><span class="dim">${SIDES[side]}</span> <b class="num">${degrees(values[frame()])}</b>
+    ${off === null ? nothing : html`<span class="dim num" title="Half of all are off by less">± ${degrees(off)}</span>`}
     <span class="dim num">${range}</span></span>`;
 }
 
@@ -91,11 +93,30 @@ function chart(shown) {
       @pointerdown=${press} @pointermove=${drag}>
     ${ticksOf(low, high, STEPS, 6).map((value) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)} />
       <text x=${GUTTER - 8} y=${y(value) + 4}>${value}°</text>`)}
-    ${shown.sides.map(({ side, values }) => runsOf(values).map((run) => svg`<path class="curve ${side}" d=${line(run, y)} />`))}
+    ${shown.sides.map(({ side, values, errors }) => bands(values, errors).map((d) => svg`<path class="band ${side}" d=${d(y)} />`))}
+    ${shown.sides.map((each) => curves(each, shown.guess).map(([kind, run]) => svg`<path class="curve ${kind}" d=${line(run, y)} />`))}
     ${shown.sides.map(({ side, values }) => ends(side, values, y, first, last))}
     <line class="now" x1=${at} x2=${at} y1="0" y2=${height} />
     ${shown.sides.map(({ side, values }) => now(side, values[frame()], at, y))}
   </svg>`;
+}
+
+/** What of a side's curve is sure, and what is a guess in depth: the class of each, and its run. */
+function curves({ side, values, errors }, guess) {
+  if (!errors) return runsOf(values).map((run) => [side, run]);
+  const isGuess = (at) => (errors[at] ?? 0) > guess;
+  const near = (at) => isGuess(at - 1) || isGuess(at) || isGuess(at + 1); // so that both lines meet
+  const guessed = values.map((value, at) => (near(at) ? value : null));
+  const sure = values.map((value, at) => (isGuess(at) ? null : value));
+  return [...runsOf(guessed).map((run) => ['guess', run]), ...runsOf(sure).map((run) => [side, run])];
+}
+
+/** By how much a side's values are expected to be off, around them: path data by the vertical scale. */
+function bands(values, errors) {
+  if (!errors) return [];
+  const beside = (sign) => values.map((value, at) => (value === null || (errors[at] ?? null) === null ? null : value + sign * errors[at]));
+  const above = runsOf(beside(1));
+  return runsOf(beside(-1)).map((below, at) => (y) => `${line(above[at], y)}L${line([...below].reverse(), y).slice(1)}Z`);
 }
 
 /** The lowest and the highest value, where they are. */

@@ -75,9 +75,11 @@ const newSizes = () => strip('preview', 'size', 'New sizes fit better.', outdate
   html`<button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button>`);
 
 /** A place is looked at; the answer is given here as well. */
-function reviewing({ kind, label, frame: at, reason }) {
-  const asked = kind === 'draft' ? 'Is the draft right here?' : `Is the ${label.toLowerCase()} right here?`;
-  const [title, why] = isElsewhere() ? [`In review: frame ${at}`, label] : [asked, 'Enter accepts, drag corrects.'];
+function reviewing({ kind, label, frame: at, reason, cause }) {
+  const inDepth = cause === 'depth';
+  const asked = kind === 'draft' ? 'Is the draft right here?' : `Is the ${label.toLowerCase()} right ${inDepth ? 'in depth' : 'here'}?`;
+  const answers = `${inDepth ? 'Look from the side: ' : ''}Enter accepts, drag corrects.`;
+  const [title, why] = isElsewhere() ? [`In review: frame ${at}`, label] : [asked, answers];
   const buttons = [primary('acceptPlace', labelOf('acceptPlace')), primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')];
   return strip('', 'flag', title, why, buttons, `Frame ${at}: ${reason}`);
 }

@@ -43,6 +43,13 @@ test('its table has what is known, a row a frame', () => {
   assert.deepEqual(framesWithAngle(SHOWN), [1, 3]);
 });
 
+test('where depth was lifted its table says how far off each may be', () => {
+  const sides = SHOWN.sides.map((side) => ({ ...side, errors: [null, 4.2, 5.1] }));
+  const [head, first, , last] = angleTable({ ...SHOWN, sides }, (frame) => frame / 25).trim().split('\r\n');
+  assert.equal(head, 'frame,time_s,left_knee_flexion_deg,left_knee_flexion_expected_error_deg,right_knee_flexion_deg,right_knee_flexion_expected_error_deg');
+  assert.deepEqual([first, last], ['1,0.0400,10,4.2,-3,4.2', '3,0.1200,,,5,']);
+});
+
 test('the lowest and the highest are named with their frames', () => {
   assert.deepEqual(extremes(SHOWN.sides[0].values), { low: { frame: 1, value: 10 }, high: { frame: 2, value: 62.4 } });
   assert.equal(extremes([null]), null);

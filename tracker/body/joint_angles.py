@@ -133,15 +133,27 @@ JOINTS: Final[tuple[Joint, ...]] = (
 
 @dataclass(frozen=True, eq=False)
 class JointAngles:
-    """One joint over N frames. angles_deg: (N, 3) of `joint.angles`, NaN where not known."""
+    """One joint over N frames. angles_deg: (N, 3) of `joint.angles`, NaN where not known.
+
+    errors_deg: (N, 3) by which they are expected to be off, see
+        `keypose.tracker.body.angle_errors`; None where nothing is known of any.
+    """
 
     joint: Joint
     angles_deg: Array
+    errors_deg: Array | None = None
 
     def __getitem__(self, name: str) -> Array:
         """(N,) one of the angles by its name."""
-        names = [angle.name for angle in self.joint.angles]
-        return np.asarray(self.angles_deg[:, names.index(name)])
+        return np.asarray(self.angles_deg[:, self._column(name)])
+
+    def error_deg(self, name: str) -> Array | None:
+        """(N,) by which one of them is expected to be off; None where that is not known."""
+        errors = self.errors_deg
+        return None if errors is None else np.asarray(errors[:, self._column(name)])
+
+    def _column(self, name: str) -> int:
+        return [angle.name for angle in self.joint.angles].index(name)
 
 
 def joints_of(body: Body) -> tuple[Joint, ...]:

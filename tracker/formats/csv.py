@@ -12,7 +12,9 @@ degrees of its rotation in its parent's frame (the root's: the camera frame), R 
 signs of `keypose.tracker.body.joint_angles`, such as `left_knee_flexion_deg`. Angles run on from
 frame to frame, past half a turn where the motion does: of all triples that are one rotation, the
 one nearest to the frame before is given. Whole turns of rz and rx that a part gains beside the
-pole, where ry is a quarter turn and both turn about nearly one axis, are taken back there.
+pole, where ry is a quarter turn and both turn about nearly one axis, are taken back there. Where
+depth was lifted, each of these angles is followed by `<joint>_<angle>_expected_error_deg`: half of
+all angles are off by less than that.
 
 frames: what is known of every frame, and how far to trust it.
 
@@ -101,16 +103,29 @@ def angles_csv(
     """The table of joint angles; `times_s` (N,) are the times of the trajectory's frames."""
     columns = [f"{name}_r{axis}_deg" for name in skeleton.body.names for axis in "zyx"]
     columns += [f"{skeleton.body.names[0]}_{name}_deg" for name in ("heading", "roll", "pitch")]
-    columns += [
-        f"{one.joint.name}_{angle.name}_deg" for one in clinical for angle in one.joint.angles
-    ]
+    columns += [name for one in clinical for name in _clinical_columns(one)]
     Rs = trajectory.Rs_parent_part
     level = known_smooth_euler(heading_first(Rs[:, :1], up_camera))[:, 0] * [1.0, -1.0, 1.0]
     zyx = known_smooth_euler(Rs).reshape(len(Rs), -1)
     angles = np.rad2deg(np.hstack([zyx, level]))
     return _table(
-        trajectory, times_s, columns, np.hstack([angles, *(one.angles_deg for one in clinical)])
+        trajectory, times_s, columns, np.hstack([angles, *(_with_errors(one) for one in clinical)])
     )
+
+
+def _clinical_columns(angles: JointAngles) -> list[str]:
+    """The names of a joint's columns, of each angle with its error where that is known."""
+    kinds = ("deg",) if angles.errors_deg is None else ("deg", "expected_error_deg")
+    joint = angles.joint
+    return [f"{joint.name}_{angle.name}_{kind}" for angle in joint.angles for kind in kinds]
+
+
+def _with_errors(angles: JointAngles) -> Array:
+    """(N, columns) their values."""
+    if angles.errors_deg is None:
+        return angles.angles_deg
+    both = np.stack([angles.angles_deg, angles.errors_deg], axis=-1)
+    return np.asarray(both.reshape(len(both), -1))
 
 
 def frames_csv(recording: Recording) -> str:

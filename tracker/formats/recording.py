@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.angle_errors import AngleErrors, angle_errors, in_metres
 from keypose.tracker.body.ground import Ground, ground_of, ground_of_camera
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.joint_angles import JointAngles, joint_angles
@@ -280,8 +281,27 @@ class Recording:
 
     def joint_angles_in(self, world: Ground) -> tuple[JointAngles, ...]:
         """The angles of a person's joints with the pelvis' in a world; none of another body."""
-        Rs = self.tracks.Rs_parent_part
-        return joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
+        Rs, errors = self.tracks.Rs_parent_part, self._angle_errors
+        found = joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
+        if errors is None:
+            return found
+        return tuple(
+            replace(each, errors_deg=np.degrees(errors.angles[each.joint])) for each in found
+        )
+
+    @cached_property
+    def _angle_errors(self) -> AngleErrors | None:
+        """By how much angles are expected to be off; None where no depth was lifted."""
+        known, tracks = self.tracks.diagnostics, self.as_seen
+        if known.expected_error is None or known.expected_depth is None:
+            return None
+        motion = Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
+        zoom = 1.0 if self.seen_from is None else self.seen_from.zoom
+        across_m = in_metres(known.expected_error, self.camera, tracks.ps_camera_root, zoom)
+        R_ground_camera = self.ground.R_ground_camera
+        if self.seen_from is not None:
+            R_ground_camera = R_ground_camera @ self.seen_from.Ts_world_camera[:, :3, :3]
+        return angle_errors(self.skeleton, motion, across_m, known.expected_depth, R_ground_camera)
 
     @cached_property
     def foot_pins(self) -> tuple[Pin, ...]:

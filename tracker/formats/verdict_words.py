@@ -21,6 +21,7 @@ REASONS: Final[Mapping[Cause, str]] = {
     "body_off_surface": "the body lies off the surface that moves with it",
     "keyframe_off_keypoints": "the keyframe's {part} is not where it is seen",
     "moves_beside_body": "the body does not match the silhouette",
+    "depth": "{part} a guess in depth",
     "not_followed": "add a keyframe near {first}",
     "nothing_seen": "nothing of the body is seen; check keyframes, camera and masks",
     "contradiction": "the keyframes at {first} and {last} contradict each other",

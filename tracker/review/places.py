@@ -201,8 +201,10 @@ def _tracked_place(
     frames: Span,
     px: float | None,
 ) -> Place | None:
-    """A place of the tracked motion; None where the body is behind the camera."""
-    along_m = known.depth_error_m(track, frame, part)
+    """A place of the tracked motion; None where the body is behind the camera. What is off in space
+    has as many pixels as it has from the side."""
+    in_picture = isinstance(why, Problem) and why.cause != "depth"
+    along_m = known.depth_error_m(track, frame, part) if in_picture else 0.0
     return _place(known, track.trajectory.pose(frame), why, frame, part, frames, px, along_m)
 
 

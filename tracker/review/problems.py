@@ -6,6 +6,7 @@ same frame, part and reason because all of them take a `Problem` from here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
@@ -15,6 +16,7 @@ from keypose.tracker.review.segment_errors import (
     REACH,
     Doubt,
     body_error_px,
+    depth_doubts,
     doubts,
     fast_about,
     gain,
@@ -51,7 +53,8 @@ class Problem:
     kind: of the segment's verdict.  frame: where to look, and to add a keyframe.
     frames: first and last frame it is about.  part: None where it is about all.
     px, cm: by which the part, or the body in the mean, is expected to be off at the frame; pixels
-        of the video; None where nobody knows.
+        of the video, of what is guessed in depth as large as it is from the side; None where nobody
+        knows.
     behind: the part that hides it.  partly: whether it is seen in most of the frames.
     answer: what a person said of it.
     """
@@ -115,12 +118,36 @@ def _found(known: JudgedSegments, track: SegmentResult) -> Iterator[Problem]:
     first, verdict = _first(known, track), track.verdict
     listed = [] if first is None else [first]
     if first is not None and verdict is not None and not _agrees(first, verdict):
-        said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
+        remedy = _remedy(known, track, verdict.cause)
+        said = _by_verdict(known, track, verdict, _go(known, track, verdict), remedy)
         listed += [] if _is_settled(said.frame, listed) else [said]
     for doubt in doubts(track, known.height_px(track)):
         if not _is_settled(track.first + doubt.row, listed):
             listed.append(_of_part(known, track, doubt))
     yield from listed
+    yield from _guessed(known, track, listed)
+
+
+def _guessed(
+    known: JudgedSegments, track: SegmentResult, listed: Sequence[Problem]
+) -> Iterator[Problem]:
+    """Find where parts are guesses in depth: what a look at the picture does not settle."""
+    errors = known.angle_errors(track)
+    for doubt in [] if errors is None else depth_doubts(errors.directions):
+        frame = track.first + doubt.row
+        frames = track.first + doubt.first, track.first + doubt.last
+        if any(_says_of(known, one, doubt.part, frame) for one in listed):
+            continue
+        part, remedy = known.name(doubt.part), _remedy(known, track, "depth")
+        found = Problem(track.span, track.kind or "good", "depth", frame, frames, part, remedy)
+        yield _sized(known, track, found)
+
+
+def _says_of(known: JudgedSegments, one: Problem, part: int, frame: int) -> bool:
+    """Return whether a problem tells of a limb at a frame, or that it is a guess in depth."""
+    if one.cause == "depth":
+        return abs(frame - one.frame) <= REACH
+    return part in known.limb_of(one.part) and one.frames[0] <= frame <= one.frames[1]
 
 
 def _is_settled(frame: int, listed: Sequence[Problem]) -> bool:
@@ -150,7 +177,14 @@ def _first(known: JudgedSegments, track: SegmentResult) -> Problem | None:
             return _by_verdict(known, track, verdict, _go(known, track, verdict), "key")
     if is_good:
         return None
-    return _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
+    remedy = _remedy(known, track, verdict.cause)
+    return _by_verdict(known, track, verdict, _go(known, track, verdict), remedy)
+
+
+def _remedy(known: JudgedSegments, track: SegmentResult, cause: Cause) -> Remedy:
+    """What no look at the picture settles, a pose does."""
+    is_posed = cause == "depth" and known.halves and not is_past_mending(track)
+    return "key" if is_posed else "look"
 
 
 def _go(known: JudgedSegments, track: SegmentResult, verdict: Verdict) -> int:
@@ -257,7 +291,12 @@ def _sized(known: JudgedSegments, track: SegmentResult, found: Problem) -> Probl
         found = replace(found, px=float(body_error_px(track)[row]))
     if found.px is None:
         return found
-    return replace(found, cm=known.error_cm(track, found.frame, found.part, found.px))
+    cm = known.error_cm(track, found.frame, found.part, found.px)
+    if found.cause != "depth":
+        return replace(found, cm=cm)
+    scale = known.px_per_m(track, found.frame, found.part) or 0.0
+    along_px = scale * known.depth_error_m(track, found.frame, found.part)
+    return replace(found, cm=cm, px=math.hypot(found.px, along_px))
 
 
 def _answered(known: JudgedSegments, found: Problem) -> Problem:

@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from keypose.tracker.body.angle_errors import GUESSED_RAD
 from keypose.tracker.body.trajectory import Trajectory, runs
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 from keypose.tracker.storage.results import Span
@@ -44,7 +45,6 @@ class Doubt(NamedTuple):
     first: int
     last: int
     row: int
-    px: float
 
 
 def expected_gain(track: SegmentResult) -> Array:
@@ -127,15 +127,29 @@ def doubts(track: SegmentResult, height_px: float | None) -> list[Doubt]:
     if errors is None:
         return []
     worth = max(LEAST_PX, IN_DOUBT * (height_px or 0.0))
+    return [
+        doubt._replace(row=best_row(track, doubt.part, doubt.first, doubt.last))
+        for doubt in _peaks(errors, worth)
+    ]
+
+
+def depth_doubts(directions: Array) -> list[Doubt]:
+    """The same of parts that are guessed in depth. directions (n + 1, P): see `AngleErrors`."""
+    between = np.where(np.isfinite(directions), directions, -np.inf)
+    between[[0, -1]] = -np.inf  # a keyframe is what a person says
+    return _peaks(between, GUESSED_RAD)
+
+
+def _peaks(errors: Array, worth: float) -> list[Doubt]:
+    """Where errors (n + 1, P) are over a bound, the worst first, each at its largest."""
     worst, found = errors.max(axis=1), []
     listed = _runs_over(worst, worth)
     while worst.max() > worth:
         peak = int(worst.argmax())
-        part, (first, last) = int(errors[peak].argmax()), (peak - REACH, peak + REACH)
         start, end = next(run for run in listed if run[0] <= peak <= run[1])
-        row = best_row(track, part, max(first, start), min(last, end))
-        found.append(Doubt(part, max(first, start), min(last, end), row, float(errors[row, part])))
-        worst[max(first, 0) : last + 1] = -np.inf
+        first, last = max(peak - REACH, start), min(peak + REACH, end)
+        found.append(Doubt(int(errors[peak].argmax()), first, last, peak))
+        worst[max(peak - REACH, 0) : peak + REACH + 1] = -np.inf
     return found
 
 

@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from keypose.tracker.body.angle_errors import AngleErrors, angle_errors, in_metres
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.limb_groups import limb_groups
 from keypose.tracker.body.modify import height
@@ -153,6 +154,19 @@ class JudgedSegments:
         """Metres along the view by which a part is expected to be off; 0 where nobody knows."""
         depths = depth_errors_m(track)
         return 0.0 if depths is None else float(depths[frame - track.first, self.index(part)])
+
+    def angle_errors(self, track: SegmentResult) -> AngleErrors | None:
+        """By how much the angles of a segment are expected to be off; None where no depth was
+        lifted, or the body is not a person's."""
+        found, skeleton, camera = track.diagnostics, self.skeleton, self.camera
+        if skeleton is None or camera is None or not track.finished:
+            return None
+        if found.expected_error is None or found.expected_depth is None:
+            return None
+        zoom = 1.0 if self.path is None else self.path.between(track.first, track.last).zoom
+        motion = track.trajectory
+        across_m = in_metres(found.expected_error, camera, motion.ps_camera_root, zoom)
+        return angle_errors(skeleton, motion, across_m, found.expected_depth)
 
     def height_px(self, track: SegmentResult) -> float | None:
         """Return how tall the body is in the picture in the middle of a segment; None where nobody

@@ -27,6 +27,7 @@ Cause: TypeAlias = Literal[
     "body_off_surface",
     "keyframe_off_keypoints",
     "moves_beside_body",
+    "depth",
     "not_followed",
     "nothing_seen",
     "contradiction",
@@ -46,12 +47,13 @@ keyframe_off_surface: the keyframe lies off the surface of its frame.
 body_off_surface: the body was posed off the surface that moves with it.
 keyframe_off_keypoints: at the keyframe the part, or all of the body, is not where keypoints are.
 moves_beside_body: the body does not match the silhouette.
+depth: right in the picture, but where the part points in depth is a guess.
 not_followed: the body was lost; a keyframe is needed.
 nothing_seen: nothing of the body is seen in the pictures.
 contradiction: the neighbouring keyframes contradict each other.
 other: none of these; `text` says what."""
 
-_OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits")
+_OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits", "depth")
 _WITHOUT_A_PLACE: Final = ("good", "nothing_seen", "other")
 
 

@@ -127,9 +127,12 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
     return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
 
 
-def _film_segment(session: Session, span: Span, _ends: Sequence[Keyframe]) -> list[Any]:
-    """Return what counts within a segment: masks, corrected keypoints, and an own motion."""
+def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+    """Return what counts within a segment: masks, corrected keypoints, an own motion, and where
+    depth is lifted, which of its keyframes nobody posed."""
     found = [*_masks_and_corrections(session, span), *_own_start(session, span)]
+    drafted = [end.frame for end in ends if end.drafted and lifts_depth(session)]
+    found += [{"not_posed": drafted}] if drafted else []
     return [*found, *_steadied(session, span)]
 
 

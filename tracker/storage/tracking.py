@@ -76,6 +76,7 @@ def tracker_of(
     if like is not None and like.skeleton.body == session.subject.body:
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
+    drafted = [keyframe.frame for keyframe in session.subject.keyframes if keyframe.drafted]
     source = people = None
     steady = steady_camera(session)
     if session.settings.method == "keypose":  # the published method looks for nobody
@@ -88,12 +89,13 @@ def tracker_of(
     if like is not None:
         return like.renewed(
             skeleton, poses, first_motion, source, parts, keys,
-            fewest=fewest, own=own, people=people,
+            fewest=fewest, own=own, people=people, drafted=drafted,
         )  # fmt: skip
     return Tracker(
         video, session.view.camera, skeleton, poses, session.view.ignore_masks,
         session.has_static_camera, memory, first_motion, source, parts, keys,
         fewest=fewest, own=own, people=people, steady=steady, turns=background_turns(session),
+        drafted=drafted,
     )  # fmt: skip
 
 

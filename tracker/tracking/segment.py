@@ -26,6 +26,8 @@ class Segment:
     imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
     own: the film's own motion of before, that meets both keyframes: where tracking starts, and what
         counts where the film shows nothing; None without one.
+    to_posed_s: (N,) seconds to the nearer of its keyframes whose depth a person posed; None where
+        both are as a draft had them.
     """
 
     first_frame: int
@@ -35,6 +37,7 @@ class Segment:
     clip: Clip
     imported: Trajectory | None = None
     own: Trajectory | None = None
+    to_posed_s: Array | None = None
 
     @property
     def damaged(self) -> frozenset[int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import count, pairwise
@@ -82,6 +82,11 @@ class _Prepared:
         return self._video.info.frame_count
 
     @property
+    def times_s(self) -> Array:
+        """Return when the frames of the video are, seconds."""
+        return self._video.info.times_s
+
+    @property
     def shows_background(self) -> bool:
         """Return whether pictures are compared with one of the empty scene."""
         return self._loading[1] or self._loading[4] is not None
@@ -123,14 +128,16 @@ class Tracker:
         people: KeypointSource | None = None,
         steady: SteadyCamera | None = None,
         turns: Array | None = None,
+        drafted: Collection[int] = (),
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
         people: what sees where in the picture a person is.  steady: the camera in whose place the
         film is tracked, where its own moves: keypoints are as it sees them, all poses that are
         given and found as the film's does.  turns (F, 3, 3): how that is turned from the world,
-        where pictures are compared with the empty scene all around.
+        where pictures are compared with the empty scene all around.  drafted: the frames of
+        keyposes that nobody has posed since they were drafted.
         """
-        self._people, self._steady = people, steady
+        self._people, self._steady, self._drafted = people, steady, frozenset(drafted)
         self._own, self._keypoints = tuple(own), keypoints
         self._first_motion = None if first_motion is None else self._steadied(first_motion)
         self._keyed_parts = self._steady_parts(keyed_parts)
@@ -160,6 +167,7 @@ class Tracker:
         fewest: int = 2,
         own: Sequence[tuple[int, int]] = (),
         people: KeypointSource | None = None,
+        drafted: Collection[int] = (),
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -170,6 +178,7 @@ class Tracker:
         other._first_motion = None if first_motion is None else self._steadied(first_motion)
         other._own, other._keypoints, other._people = tuple(own), keypoints, people
         other._keyed_parts, other._keys = self._steady_parts(keyed_parts), keys or {}
+        other._drafted = frozenset(drafted)
         if skeleton is not self.skeleton:
             other._points_by_spacing = {}
         other._pose(skeleton, keyposes, fewest)
@@ -293,7 +302,7 @@ class Tracker:
         elif known is not None:
             imported = fit_to_keyframes(known, start, end, first, last)
         clip = self.loader(span).load(first, last)
-        segment = Segment(first, last, start, end, clip, imported, own)
+        segment = Segment(first, last, start, end, clip, imported, own, self._to_posed_s(span))
         method = method_of(settings)
         scene = self.scene(span, method.density)
         outlines = self._outlines(segment, settings, emit)
@@ -312,6 +321,15 @@ class Tracker:
                 return replace(result, trajectory=self.as_filmed(result.trajectory))
             emit(replace(step, trajectory=self.as_filmed(step.trajectory)), number)
             number += 1
+
+    def _to_posed_s(self, span: tuple[int, int]) -> Array | None:
+        """(N,) seconds to the nearer keyframe that a person posed; None without one."""
+        times_s = self._prepared.times_s
+        posed = [times_s[frame] for frame in span if frame not in self._drafted]
+        if not posed:
+            return None
+        away = np.abs(times_s[span[0] : span[1] + 1, None] - np.array(posed))
+        return np.asarray(away.min(axis=1))
 
     def _corrected_work(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit

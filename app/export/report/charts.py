@@ -12,6 +12,7 @@ from keypose.app.export.report.markup import Child, Html, element, joined
 from keypose.app.export.report.plots import (
     Scale,
     area,
+    band,
     curve,
     dots,
     drawing,
@@ -247,12 +248,33 @@ def single_chart(subject: Subject, title: str, values: Array, first: int) -> Htm
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve (N,) from frame `first` on, with dots at some frames; style: its classes."""
+    """A curve (N,) from frame `first` on, with dots at some frames; style: its classes.
+
+    errors (N,): by which it is expected to be off, drawn as a band; None without one.  guess_from:
+    where that is more the curve is a guess.
+    """
 
     values: Array
     style: str
     first: int = 0
     dots_at: Sequence[int] = ()
+    errors: Array | None = None
+    guess_from: float = math.inf
+
+    def drawn(self, scale: Scale) -> Iterator[Html | None]:
+        """The band, the curve, and what of it is a guess."""
+        if self.errors is None:
+            yield path(curve(self.values, self.first, scale), f"curve {self.style}")
+            return
+        around = (self.values - self.errors, self.values + self.errors)
+        yield path(band(*around, self.first, scale), f"band {self.style}")
+        is_guess = np.nan_to_num(self.errors) > self.guess_from
+        near = is_guess.copy()  # so that both lines meet
+        near[1:] |= is_guess[:-1]
+        near[:-1] |= is_guess[1:]
+        guessed, sure = (np.where(which, self.values, np.nan) for which in (near, ~is_guess))
+        yield path(curve(guessed, self.first, scale), "curve guess")
+        yield path(curve(sure, self.first, scale), f"curve {self.style}")
 
     def dots(self, scale: Scale) -> str:
         at = (frame for frame in self.dots_at if 0 <= frame - self.first < len(self.values))
@@ -280,7 +302,7 @@ def line_chart(
     drawn = drawing(
         path(f"M0 {scale.y(0.0):.1f}H1000", "zero") if has_zero else None,
         *(path(uprights(at, scale), style) for style, at in uprights_at.items()),
-        *(path(curve(one.values, one.first, scale), f"curve {one.style}") for one in lines),
+        *(piece for one in lines for piece in one.drawn(scale)),
         *(path(one.dots(scale), f"dots {one.style}") for one in lines),
         words=words,
     )

@@ -15,11 +15,13 @@ from keypose.app.export.report.tables import figure, table, tile
 from keypose.app.posing import part_label
 from keypose.app.posing.labels import number_text
 from keypose.app.words.angles import angle_words
+from keypose.tracker.body.angle_errors import GUESSED_RAD
 from keypose.tracker.body.joint_angles import Angle, Joint, JointAngles
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.space.gait import Gait, Stride
 
+GUESS_DEG = float(np.degrees(GUESSED_RAD))
 LEAST_MOTION_DEG = 1.0
 """A joint none of whose angles changes more gets no row."""
 LEAST_HEIGHT_DEG = 12.0
@@ -55,10 +57,13 @@ class Row:
         )
 
 
-def legend() -> Html:
-    """Return which colour is which side."""
+def legend(recording: Recording) -> Html:
+    """Return which colour is which side, and what is drawn beside curves."""
     sides = (element("span", part_label(side), class_=f"name {side}") for side in ("left", "right"))
-    return element("p", *sides, element("span", "dots are the keyframes"), class_="legend")
+    has_errors = any(one.errors_deg is not None for one in recording.joint_angles)
+    more = "; bands: half of all angles are off by less, grey ones are a guess in depth"
+    words = f"dots are the keyframes{more if has_errors else ''}"
+    return element("p", *sides, element("span", words), class_="legend")
 
 
 def clinical_charts(subject: Subject, recording: Recording) -> list[Html]:
@@ -98,19 +103,22 @@ def caption(joint: str, angle: Angle) -> Html:
 def _charts(subject: Subject, recording: Recording, row: Row) -> Iterator[Html]:
     first = recording.frames[0]
     for k, angle in enumerate(row.joint.angles):
-        curves = {side: one.angles_deg[:, k] for side, one in row.sides.items()}
-        yield _chart(subject, row.name, angle, curves, first)
+        lines = []
+        for side, one in row.sides.items():
+            errors = None if one.errors_deg is None else one.errors_deg[:, k]
+            values = one.angles_deg[:, k]
+            lines.append(Line(values, side, first, subject.keys, errors, GUESS_DEG))
+        yield _chart(subject, row.name, angle, lines)
 
 
-def _chart(
-    subject: Subject, joint: str, angle: Angle, curves: Mapping[str, Array], first: int
-) -> Html:
-    low, high = chart_range(list(curves.values()))
+def _chart(subject: Subject, joint: str, angle: Angle, lines: Sequence[Line]) -> Html:
+    low, high = chart_range([line.values for line in lines])
     return line_chart(
         caption(joint, angle),
         _with_room(*subject.ends, low, high),
-        [Line(values, side, first, subject.keys) for side, values in curves.items()],
-        words=f"{part_label(joint)} {' and '.join(angle_words(angle))}, {', '.join(curves)}",
+        lines,
+        words=f"{part_label(joint)} {' and '.join(angle_words(angle))}, "
+        f"{', '.join(line.style for line in lines)}",
         high=f"{number_text(high, 0)}°",
         low=f"{number_text(low, 0)}°",
         uprights_at={"keys": subject.keys},

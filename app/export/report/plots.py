@@ -87,6 +87,16 @@ def area(values: Array, first: int, scale: Scale) -> str:
     return "".join(pieces)
 
 
+def band(low: Array, high: Array, first: int, scale: Scale) -> str:
+    """Path data of what lies between two lines (N,) that end at the same frames."""
+    pieces = []
+    for below, above in zip(runs(low, first), runs(high, first), strict=True):
+        there = "L".join(_at(scale.x(c.middle), scale.y(c.high)) for c in above)
+        back = "L".join(_at(scale.x(c.middle), scale.y(c.low)) for c in reversed(below))
+        pieces.append(f"M{there}L{back}Z")
+    return "".join(pieces)
+
+
 def steps(values: Array, first: int, scale: Scale) -> str:
     """Path data of a line of level steps; value j holds from frame first + j to the one after."""
     pieces = []

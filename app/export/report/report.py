@@ -138,7 +138,7 @@ def motion_sections(subject: Subject) -> Html:
             _section(
                 "Joint angles",
                 element("p", CONVENTIONS, class_="quiet"),
-                legend(),
+                legend(recording),
                 element("div", *clinical, class_="cols clinical"),
                 element("details", own, quiet, of_parts),
             ),

@@ -17,6 +17,7 @@ from keypose.app.words.review import label_of_place, reason_of_place
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.review.places import Review, review_of
+from keypose.tracker.review.problems import Problem
 from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.verdict import GOOD, Verdict
@@ -103,6 +104,42 @@ def test_where_depth_is_told_the_centimetres_are_those_of_space() -> None:
     assert before.cm is not None
     assert after_it.cm is not None
     assert after_it.cm > before.cm + 1
+
+
+def guessed(state: EditorState, frame: int, part: str, depth_m: float) -> EditorState:
+    """The same with depth that is known to 1 cm, but for a part around a frame."""
+    track = first_segment(state)
+    errors = np.full((25, state.skeleton.part_count), RIGHT_PX)
+    depth = np.full(errors.shape, 0.01)
+    depth[frame - 2 : frame + 3, state.doc.subject.body.index(part)] = depth_m
+    known = replace(track.diagnostics, expected_error=errors, expected_depth=depth)
+    return with_segment(state, replace(track, diagnostics=known))
+
+
+def test_what_is_a_guess_in_depth_is_a_place_as_large_as_it_is_from_the_side() -> None:
+    state = guessed(doubting(), 12, "right_forearm", 0.2)
+    (place,) = reviewed(state).places
+    assert (place.cause, place.part, place.frames) == ("depth", "right_forearm", (10, 14))
+    assert reason_of_place(place) == "a guess in depth, 10–14"
+    assert place.cm == pytest.approx(20.0, rel=0.1)
+    assert place.px == pytest.approx(0.2 * place.px_per_m, rel=0.1)
+    assert isinstance(place.why, Problem)
+    assert place.why.remedy == "key"  # a look at the picture does not settle it
+    assert named(guessed(doubting(), 12, "right_forearm", 0.04)) == []
+
+
+def test_where_its_limb_is_in_doubt_in_the_picture_the_place_is_one() -> None:
+    state = doubting(right_forearm=(12, 14.0))
+    errors = first_segment(state).diagnostics.expected_error
+    both = guessed(state, 12, "right_forearm", 0.2)
+    track = first_segment(both)
+    both = with_segment(
+        both, replace(track, diagnostics=replace(track.diagnostics, expected_error=errors))
+    )
+    (place,) = reviewed(both).places
+    assert place.cause != "depth"
+    assert place.cm is not None
+    assert place.cm > 20
 
 
 def test_joints_that_are_right_are_no_place_to_look_at() -> None:

@@ -54,6 +54,9 @@ SAID = {
     "Check: the body does not match the silhouette, frames 31–36": Verdict.check(
         "moves_beside_body", (31, 36)
     ),
+    "Check: left forearm a guess in depth, frames 31–36": Verdict.check(
+        "depth", (31, 36), "left_forearm"
+    ),
     "Lost. Add a keyframe at 37": Verdict.not_followed(37),
     "Lost. The body is not visible: check keyframes, camera and masks": Verdict.nothing_seen(
         24, 48

@@ -26,6 +26,7 @@ from keypose.tracker.storage.tracks import save_result
 from tests.app.export.test_report import read
 from tests.app.walking_cases import FRAMES, SKELETON, write_walk
 from tests.tracker import session_cases as cases
+from tests.tracker.formats.recordings import with_depth
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +73,19 @@ def test_both_sides_are_in_one_chart_with_the_highest_and_lowest_angle(
     most = max(float(one["flexion"].max()) for one in knees)
     assert f">{most:.0f}°</i>" in knee
     assert knee.count('class="curve left"') == knee.count('class="curve right"') == 1
+
+
+def test_a_curve_has_a_band_of_what_it_is_expected_to_be_off_by_and_is_grey_where_it_is_a_guess(
+    subject: Subject, recording: Recording
+) -> None:
+    charts = clinical_charts(subject, with_depth(recording, px=0.05, along_m=0.02))
+    (knee,) = [chart for chart in charts if "<b>Knee flexion</b>" in chart]
+    assert knee.count('class="band left"') == knee.count('class="band right"') == 1
+    assert "curve guess" not in knee
+    (turned,) = [chart for chart in charts if "<b>Elbow pronation</b>" in chart]
+    assert "curve guess" in turned  # which no keypoint shows
+    (plain,) = [c for c in clinical_charts(subject, recording) if "<b>Knee flexion</b>" in c]
+    assert "band" not in plain
 
 
 def test_the_gait_of_a_walk_is_in_the_report_with_its_means(

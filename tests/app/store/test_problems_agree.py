@@ -22,7 +22,7 @@ from tests.app.editor.desk import desk
 
 STATES = 400
 LEAST_PX = 3.0
-OF_A_PART = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints")
+OF_A_PART = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints", "depth")
 SURFACES_ONLY = (
     "no_surface", "not_fitted", "one_keyframe", "keyframe_off_surface", "body_off_surface",
 )  # fmt: skip

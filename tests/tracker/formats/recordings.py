@@ -90,6 +90,16 @@ def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -
     return Recording.of(made, tracks, segments, uneven_times(made.view.video.frame_count))
 
 
+def with_depth(made: Recording, px: float = 2.0, along_m: float = 0.05) -> Recording:
+    """The same with what every joint is expected to be off by."""
+    known = made.tracks.diagnostics
+    shape = (len(made), made.skeleton.part_count)
+    known = replace(
+        known, expected_error=np.full(shape, px), expected_depth=np.full(shape, along_m)
+    )
+    return replace(made, tracks=replace(made.tracks, diagnostics=known))
+
+
 def recorded(skeleton: Skeleton, motion: Trajectory, fps: float) -> Recording:
     """Any motion as it is written, all of it tracked, the camera's own up."""
     n, parts, dofs = len(motion), skeleton.part_count, skeleton.dof_count

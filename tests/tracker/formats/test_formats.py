@@ -21,6 +21,7 @@ from keypose.tracker.formats.conventions import end_site
 from keypose.tracker.formats.csv import angles_csv, column_names, joints_csv
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from tests.tracker import session_cases as cases
+from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of
 
 TO_BVH = np.diag([1.0, -1.0, -1.0])
@@ -207,6 +208,19 @@ def test_a_table_has_one_header_and_no_minus_zero() -> None:
     assert text.splitlines()[0].startswith("frame,time_s,trunk_rz_deg,trunk_ry_deg,trunk_rx_deg")
     assert "-0.000000" not in text + joints_csv(cases.SKELETON, rest, [0.0, 0.04])
     assert text.count("\r\n") == 3
+
+
+def test_where_depth_was_lifted_clinical_angles_have_what_they_are_expected_to_be_off_by() -> None:
+    made = recordings.with_depth(recordings.recording("person"))
+    knee = next(each for each in made.joint_angles if each.joint.name == "left_knee")
+    table = rows(angles_csv(made.skeleton, made.trajectory, made.times_s, made.joint_angles))
+    for name in ("left_knee_flexion_deg", "left_knee_flexion_expected_error_deg"):
+        assert name in table[0]
+    errors = [row["left_knee_flexion_expected_error_deg"] for row in table]
+    assert errors == pytest.approx(list(np.asarray(knee.error_deg("flexion"))), abs=1e-6)
+    plain = recordings.recording("person")
+    without = angles_csv(plain.skeleton, plain.trajectory, plain.times_s, plain.joint_angles)
+    assert "expected_error" not in without
 
 
 def test_landmarks_of_the_same_name_carry_their_part() -> None:

@@ -20,7 +20,7 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.marker_files import c3d, trc
 from keypose.tracker.formats.marker_sets import marked, markers_of
 from keypose.tracker.formats.opensim.model import model_of, read_model, scaled
-from keypose.tracker.formats.opensim.mot import coordinates, mot
+from keypose.tracker.formats.opensim.mot import coordinates, mot, mot_files
 from keypose.tracker.formats.opensim.setups import ik_xml, markers_xml, scale_xml
 from keypose.tracker.formats.recording import MARKER_SETS, Recording
 from keypose.tracker.geometry.rotations import Array, exp_rotation
@@ -159,6 +159,20 @@ def test_mot_is_the_coordinates_over_time() -> None:
         np.testing.assert_allclose(table[name], values, atol=1e-6)
     angles = {one.joint.name: one for one in made.joint_angles}
     np.testing.assert_allclose(table["knee_angle_l"], angles["left_knee"]["flexion"], atol=1e-6)
+
+
+def test_where_depth_was_lifted_a_second_file_says_how_far_off_angles_may_be() -> None:
+    made = recordings.with_depth(recordings.recording("person"))
+    motion, errors = (read_mot(text) for text in mot_files(made))
+    assert list(motion.columns) == list(read_mot(mot(made)).columns)
+    assert set(errors.columns) < set(motion.columns)
+    angles = {one.joint.name: one for one in made.joint_angles}
+    knee = angles["left_knee"].error_deg("flexion")
+    np.testing.assert_allclose(errors["knee_angle_l"], knee, atol=1e-6)
+    assert (errors.drop(columns="time") > 2).all(axis=None)
+    model = set(read_mot(mot_files(made, MODEL)[1]).columns)
+    assert model <= set(read_mot(mot(made, MODEL)).columns)
+    assert len(mot_files(recordings.recording("person"))) == 1
 
 
 def test_mot_holds_no_gaps() -> None:

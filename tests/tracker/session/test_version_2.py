@@ -49,7 +49,7 @@ SENTENCES = {
     "lost: gone": Verdict(kind="lost", cause="other", text="lost: gone"),
 }
 """Of every cause that version 2 knew, in its words."""
-SINCE = {"keyframe_off_keypoints", "moves_beside_body"}
+SINCE = {"keyframe_off_keypoints", "moves_beside_body", "depth"}
 
 
 def _read(kind: Any, words: str) -> Verdict:

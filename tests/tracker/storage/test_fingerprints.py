@@ -175,6 +175,14 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, settings=every_cue) != keys(detected)  # by the mask of the person
     lifted = both_cues.model_copy(update={"cues": (*both_cues.cues, "depth")})
     assert keys(detected, settings=lifted) != keys(detected)
+    first, *others = detected.subject.keyframes
+    of_draft = {"keyframes": (first.model_copy(update={"drafted": True}), *others)}
+    assert keys(detected, **of_draft) == keys(detected)  # only their depth says how they came
+    unposed = keys(detected, **of_draft, settings=lifted)
+    assert [a == b for a, b in zip(unposed, keys(detected, settings=lifted), strict=True)] == [
+        False,
+        True,
+    ]
     quick = detected.view.video.model_copy(update={"recorded_fps": 240.0})
     assert keys(detected, settings=lifted, video=quick) != keys(detected, settings=lifted)
     alone = both_cues.model_copy(update={"cues": ("brightness", "depth")})

@@ -22,13 +22,19 @@ from the first to the last, for OpenSim reads no gaps.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from keypose.tracker.body.joint_angles import JOINTS, R_ANATOMICAL_PART, carried, joints_of
+from keypose.tracker.body.joint_angles import (
+    JOINTS,
+    R_ANATOMICAL_PART,
+    JointAngles,
+    carried,
+    joints_of,
+)
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import fixed_decimals
 from keypose.tracker.formats.opensim.hinges import with_hinges
@@ -90,17 +96,39 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
             "OpenSim's joint angles are those of a whole person, and this body is no person's."
         )
     found: dict[str, Array] = dict(zip(_PLACES, _pelvis_m(recording, model).T, strict=True))
-    for name, (joint, angle, sign, at_rest) in _OF_JOINTS.items():
-        if joint in angles:
-            found[name] = sign * angles[joint][angle] + at_rest
-            continue
-        for s, side in _SIDES.items():
-            found[f"{name}_{s}"] = sign * angles[f"{side}_{joint}"][angle] + at_rest
+    for name, sign, at_rest, each, angle in _columns(angles):
+        found[name] = sign * each[angle] + at_rest
     for s, side in _SIDES.items():
         ankle, subtalar = _ankle(recording, side)
         found |= {f"ankle_angle_{s}": ankle, f"subtalar_angle_{s}": subtalar}
         found[f"mtp_angle_{s}"] = 0.0 * ankle
     return found if model is None else _of_model(found, model.coordinates)
+
+
+def expected_errors(recording: Recording) -> dict[str, Array] | None:
+    """By which coordinates (N,) are expected to be off, degrees, by their names; None where that is
+    not known. Of places and of toes nothing is."""
+    angles = {found.joint.name: found for found in recording.joint_angles}
+    if len(angles) < len(JOINTS) or any(each.errors_deg is None for each in angles.values()):
+        return None
+    found: dict[str, Array] = {}
+    for name, _, _, each, angle in _columns(angles):
+        error = each.error_deg(angle)
+        assert error is not None
+        found[name] = error
+    return found
+
+
+def _columns(
+    angles: Mapping[str, JointAngles],
+) -> Iterator[tuple[str, float, float, JointAngles, str]]:
+    """Every coordinate that is a clinical angle: its name, sign, value at rest, and that angle."""
+    for name, (joint, angle, sign, at_rest) in _OF_JOINTS.items():
+        if joint in angles:
+            yield name, sign, at_rest, angles[joint], angle
+            continue
+        for s, side in _SIDES.items():
+            yield f"{name}_{s}", sign, at_rest, angles[f"{side}_{joint}"], angle
 
 
 def _with_hinges(recording: Recording) -> Recording:
@@ -171,7 +199,24 @@ def mot(recording: Recording, model: OpenSimModel | None = None) -> str:
     return _table("Coordinates", whole.times_s, coordinates(whole, model))
 
 
-def _table(name: str, times_s: Array, columns: Mapping[str, Array]) -> str:
+def mot_files(recording: Recording, model: OpenSimModel | None = None) -> tuple[str, ...]:
+    """The texts of the file, and of one with the degrees by which angles are expected to be off
+    where that is known. FormatError as of `mot`."""
+    whole = recording.whole("MOT")
+    errors = expected_errors(whole)
+    if errors is None:
+        return (mot(whole, model),)
+    errors = errors if model is None else _of_model(errors, model.coordinates)
+    words = "Degrees by which an angle is expected to be off: half of all are off by less."
+    return mot(whole, model), _table("Expected errors", whole.times_s, errors, words)
+
+
+def _table(
+    name: str,
+    times_s: Array,
+    columns: Mapping[str, Array],
+    words: str = "Angles are degrees, lengths metres, times seconds; y is up, the floor at zero.",
+) -> str:
     head = [
         name,
         "version=1",
@@ -179,7 +224,7 @@ def _table(name: str, times_s: Array, columns: Mapping[str, Array]) -> str:
         f"nColumns={len(columns) + 1}",
         "inDegrees=yes",
         "",
-        "Angles are degrees, lengths metres, times seconds; y is up, the floor at zero.",
+        words,
         "endheader",
         "\t".join(("time", *columns)),
     ]

@@ -18,6 +18,7 @@ from keypose.tracker.geometry.rotations import Array
 OPENSIM_DOCUMENT_VERSION = "40000"
 MARKERS_FILE, SCALE_FILE, IK_FILE = "markers.xml", "scale.xml", "ik.xml"
 MOTION_FILE = "motion.mot"
+ERRORS_FILE = "motion-errors.mot"
 
 BESIDE_WEIGHT = (0.01 / math.radians(10)) ** 2
 """Ten degrees count like one marker a centimetre off: little beside markers that show the angle."""

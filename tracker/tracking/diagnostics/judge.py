@@ -15,6 +15,8 @@ from typing import Final
 
 import numpy as np
 
+from keypose.tracker.body.angle_errors import GUESSED_RAD, angle_errors
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.verdict import GOOD, Verdict
@@ -76,8 +78,8 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
         return Verdict.nothing_seen(segment.first_frame, segment.last_frame)
     verdict = _judge_body(scene, segment, outcome, seen)
     if verdict.kind == "good" and outcome.silhouette is not None:
-        return _judge_silhouette(segment, outcome.silhouette)
-    return verdict
+        verdict = _judge_silhouette(segment, outcome.silhouette)
+    return _judge_depth(scene, segment, outcome) if verdict.kind == "good" else verdict
 
 
 def _is_noise(segment: Segment) -> bool:
@@ -180,6 +182,35 @@ def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict
         cause="moves_beside_body",
         frames=(first + start, first + end),
         go=first + worst,
+    )
+
+
+def _judge_depth(scene: Scene, segment: Segment, outcome: Outcome) -> Verdict:
+    """Judge by how far off parts are expected to point, where depth was lifted."""
+    if outcome.joints is None:
+        return GOOD
+    count = scene.skeleton.part_count
+    along_m = outcome.joints.expected_depth_m(count, segment.to_posed_s)
+    if along_m is None:
+        return GOOD
+    across_m = outcome.joints.expected_error(count) * height(scene.skeleton.body)
+    errors = angle_errors(scene.skeleton, outcome.trajectory, across_m, along_m)
+    if errors is None:
+        return GOOD
+    guessed = np.nan_to_num(errors.directions - GUESSED_RAD).clip(0.0)
+    guessed[[0, -1]] = 0.0  # a keyframe is what a person says
+    part = int(guessed.sum(axis=0).argmax())
+    found = [run for run in runs(guessed[:, part] > 0) if run[1] - run[0] + 1 >= SHORTEST_RUN]
+    if not found:
+        return GOOD
+    start, end = max(found, key=lambda run: float(guessed[run[0] : run[1] + 1, part].sum()))
+    first = segment.first_frame
+    return Verdict(
+        kind="check",
+        cause="depth",
+        part=scene.skeleton.body.names[part],
+        frames=(first + start, first + end),
+        go=first + start + int(guessed[start : end + 1, part].argmax()),
     )
 
 
@@ -292,7 +323,7 @@ def segment_result(
     seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
     error = depth = None
     if outcome.joints is not None:
-        depth = outcome.joints.expected_depth_m(scene.skeleton.part_count)
+        depth = outcome.joints.expected_depth_m(scene.skeleton.part_count, segment.to_posed_s)
         by_part = outcome.joints.expected_error(scene.skeleton.part_count)
         error = by_part * outcome.joints.height_px * enlarged
     diagnostics = replace(

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.tracker.tracking.cues.joint_evidence import FITTED, GOOD, LOST, JointEvidence
+from keypose.tracker.body.angle_errors import MEDIAN_OF_SIGMA
+from keypose.tracker.tracking.cues.joint_evidence import (
+    FITTED,
+    GOOD,
+    LOST,
+    POSED_M,
+    POSED_S,
+    JointEvidence,
+)
 
 
 def _evidence(
@@ -84,6 +92,22 @@ def test_a_part_is_told_to_be_off_by_as_much_as_its_worst_joint() -> None:
     evidence = _evidence()
     evidence.drift[2, 0] = 0.02
     assert evidence.expected_error(6)[2, 1] == evidence.error[2, 0] > evidence.error[2, 1]
+
+
+def test_near_a_keyframe_whose_depth_was_posed_less_is_expected_along_the_view() -> None:
+    """As surely as a person poses it there, as unsure as the network once that is long ago."""
+    sigma_m = np.full((5, 3), 0.1)
+    evidence = replace(_evidence(), depth_sigma_m=sigma_m)
+    drafted = evidence.expected_depth_m(6)
+    to_posed_s = np.array([0.0, 0.5, 1.0, 2.0, 4.0]) * POSED_S
+    posed = evidence.expected_depth_m(6, to_posed_s)
+    assert drafted is not None
+    assert posed is not None
+    assert drafted[:, 4] == pytest.approx(MEDIAN_OF_SIGMA * 0.1)
+    half = np.hypot(0.05, POSED_M / 2)
+    expected = MEDIAN_OF_SIGMA * np.array([POSED_M, half, 0.1, 0.1, 0.1])
+    assert posed[:, 4] == pytest.approx(expected)
+    assert _evidence().expected_depth_m(6, to_posed_s) is None
 
 
 def test_a_keyframe_is_doubted_where_a_joint_is_seen_well_and_elsewhere() -> None:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
+from keypose.tracker.body.angle_errors import MEDIAN_OF_SIGMA
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
-from keypose.tracker.tracking.cues.joint_evidence import MEDIAN_OF_SIGMA
+from keypose.tracker.tracking.cues.joint_evidence import POSED_S
 from keypose.tracker.tracking.cues.sources import CorrectedKeypoints, GivenKeypoints
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.tracking.segment import Segment
@@ -24,7 +27,7 @@ from keypose.tracker.video.pyramid import LEVELS, Clip, prepare
 from tests.rendering.render import rendered
 from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
-from tests.tracker.tracking_cases import tracked
+from tests.tracker.tracking_cases import FPS, tracked
 
 FILM = Filmed(moving())
 
@@ -35,17 +38,25 @@ class Film:
 
     clip: Clip
 
+    @property
+    def info(self) -> Any:
+        """As much as is asked for: when its frames are."""
+        return SimpleNamespace(times_s=np.arange(FILM.truth.last_frame + 1) / FPS)
+
 
 @pytest.fixture(autouse=True)
 def _grey(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ClipLoader, "load", lambda *_: FILM.segment.clip)
 
 
-def _tracker(keypoints: Keypoints | None, skeleton: Skeleton = SKELETON) -> Tracker:
+def _tracker(
+    keypoints: Keypoints | None, skeleton: Skeleton = SKELETON, drafted: Sequence[int] = ()
+) -> Tracker:
     segment = FILM.segment
     poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
     source = None if keypoints is None else GivenKeypoints(keypoints)
-    return Tracker(Film(segment.clip), CAMERA, skeleton, poses, keypoints=source)  # type: ignore[arg-type]
+    film: Any = Film(segment.clip)
+    return Tracker(film, CAMERA, skeleton, poses, keypoints=source, drafted=drafted)
 
 
 def _motion(keypoints: Keypoints | None, **settings: object) -> Trajectory:
@@ -131,12 +142,21 @@ def test_the_same_keypoints_give_the_same_motion() -> None:
 
 def test_a_depth_that_tells_its_deviation_says_how_far_off_joints_may_be_along_the_view() -> None:
     sigma_m = np.full(FILM.keypoints.visibility.shape, 0.05)
-    (found,) = tracked(_tracker(replace(FILM.keypoints, depth_sigma_m=sigma_m)), cues=ALL_CUES)
+    lifted = replace(FILM.keypoints, depth_sigma_m=sigma_m)
+    ends = FILM.truth.first_frame, FILM.truth.last_frame
+    (found,) = tracked(_tracker(lifted, drafted=ends), cues=ALL_CUES)
     depth = found.diagnostics.expected_depth
     assert depth is not None
     chest, head = (SKELETON.body.index(name) for name in ("chest", "head"))
     np.testing.assert_allclose(depth[:, chest], MEDIAN_OF_SIGMA * 0.05)
     assert np.isnan(depth[:, head]).all()
+    (keyed,) = tracked(_tracker(lifted, drafted=ends[1:]), cues=ALL_CUES)
+    posed = keyed.diagnostics.expected_depth
+    assert posed is not None
+    assert (posed[:3, chest] < 0.9 * depth[:3, chest]).all()  # a person posed the first
+    assert posed[-1, chest] == pytest.approx(
+        depth[-1, chest] * min(1.0, (len(FILM.truth) - 1) / FPS / POSED_S), rel=0.3
+    )
     (plain,) = tracked(_tracker(FILM.keypoints), cues=ALL_CUES)
     assert plain.diagnostics.expected_depth is None
 

@@ -342,3 +342,44 @@ def test_where_they_do_not_the_joint_is_named_that_is_wrong_most_likely() -> Non
 @pytest.mark.parametrize(("distance", "kind"), [(0.002, "good"), (0.07, "check")])
 def test_from_one_start_keypoints_alone_decide(distance: float, kind: str) -> None:
     assert verdict(with_joints(np.nan, distance, strays=0.0)).kind == kind
+
+
+def with_depth(sigma_m: float, part: str = "left_forearm", rows: slice = slice(5, 16)) -> Outcome:
+    """Tracked well in the picture; how far away is known to 2 cm, a joint's to `sigma_m`."""
+    names = ("waist", "chest", "left_thigh", "left_shin", "left_upper_arm", "left_forearm")
+    names += tuple(name.replace("left", "right") for name in names[2:])
+    parts = np.array([SKELETON.body.index(name) for name in names])
+    shape = (N + 1, len(parts))
+    depth = np.full(shape, 0.02)
+    depth[rows, names.index(part)] = sigma_m
+    joints = JointEvidence(
+        parts, np.full(shape, 0.01), np.full(shape, 0.9), np.full(shape, 0.001),
+        np.full(shape, 0.0003), 200.0, depth_sigma_m=depth,
+    )  # fmt: skip
+    return replace(outcome(), joints=joints)
+
+
+def test_what_is_right_in_the_picture_and_a_guess_in_depth_is_not_good() -> None:
+    assert verdict(with_depth(0.05)) == GOOD
+    found = verdict(with_depth(0.2))
+    assert (found.kind, found.cause, found.part) == ("check", "depth", "left_forearm")
+    assert found.frames == (FIRST + 5, FIRST + 15)
+    assert found.go is not None
+    assert verdict(with_depth(0.2, rows=slice(5, 7))) == GOOD  # two frames are no run
+
+
+def test_a_picture_that_is_wrong_is_said_first() -> None:
+    unsure = with_depth(0.2)
+    assert unsure.joints is not None
+    unsure.joints.apart[:, 3] = 0.05
+    unsure.joints.drift[:, 3] = 0.01
+    assert verdict(unsure).cause == "uncertain"
+
+
+def test_a_pose_that_a_person_set_makes_the_depth_near_it_good() -> None:
+    away = np.minimum(np.arange(N + 1), np.arange(N + 1)[::-1])
+    posed = replace(SEGMENT, to_posed_s=away / 200.0)  # a quick film: all lies near
+    assert judge(SCENE, SEGMENT, with_depth(0.2), clear()).cause == "depth"
+    assert judge(SCENE, posed, with_depth(0.2), clear()) == GOOD
+    slow = replace(SEGMENT, to_posed_s=away / 10.0)
+    assert judge(SCENE, slow, with_depth(0.2), clear()).cause == "depth"
