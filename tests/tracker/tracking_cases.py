@@ -123,9 +123,6 @@ def smooth_picture(seed: int, width: int = WIDTH, height: int = HEIGHT) -> NDArr
     return np.concatenate([waves_at(seed, uv), np.ones((height, width, 1))], -1).astype(np.float32)
 
 
-FPS = 30.0
-
-
 @dataclass
 class MemoryVideo:
     """What a loader asks of a video, from an array (N, H, W, 3); some frames cannot be decoded."""
@@ -135,8 +132,7 @@ class MemoryVideo:
 
     @property
     def info(self) -> Any:
-        count = len(self.pictures)
-        return SimpleNamespace(frame_count=count, times_s=np.arange(count) / FPS)
+        return SimpleNamespace(frame_count=len(self.pictures))
 
     def frames(self, first: int, stop: int) -> Iterator[tuple[int, NDArray[np.uint8] | None]]:
         for i in range(first, stop):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ _LIMB_PARTS: Final = {
     "ankle": ("shin", "foot"),
 }
 """By joint the limb's part before it and the one after it; a limb's first joint is on the trunk."""
+_FOOT_LANDMARKS: Final = {"heel": "heel", "foot_index": "toe"}
 HEAD_POINTS: Final = {"nose": (0.0, 0.42, -0.55), "left_ear": (0.4, 0.45, 0.0)}
 """On a head whose top is so far from its joint: shares of that height, forward being −z."""
 
@@ -53,12 +54,35 @@ def points_on_body(body: Body, names: Sequence[str]) -> PointsOnBody:
     body without such parts, a box, has none. (Heels and toes made a tracked ankle shake half as
     much again, and nothing more accurate.)
     """
-    found = [(index, *place) for index, name in enumerate(names) if (place := _place(body, name))]
+    return _points(body, names, _place)
+
+
+def foot_ends(body: Body, names: Sequence[str]) -> PointsOnBody:
+    """The heels and toes of a body among these keypoints, in the order of the names."""
+    return _points(body, names, foot_end)
+
+
+def _points(
+    body: Body, names: Sequence[str], place_of: Callable[[Body, str], tuple[int, Point] | None]
+) -> PointsOnBody:
+    found = [(index, *at) for index, name in enumerate(names) if (at := place_of(body, name))]
     return PointsOnBody(
         np.array([index for index, _, _ in found], dtype=np.int64),
         np.array([part for _, part, _ in found], dtype=np.int64),
         np.array([point for _, _, point in found], dtype=np.float64).reshape(-1, 3),
     )
+
+
+def foot_end(body: Body, name: str) -> tuple[int, Point] | None:
+    """The foot that carries a heel or a toe, such as left_heel and left_foot_index, and where; None
+    of another keypoint, or on a body without it."""
+    side, _, end = name.partition("_")
+    part, landmark = f"{side}_foot", _FOOT_LANDMARKS.get(end)
+    if landmark is None or part not in body.names:
+        return None
+    index = body.index(part)
+    place = body.parts[index].landmarks.get(f"{side}_{landmark}")
+    return None if place is None else (index, place)
 
 
 def is_persons(body: Body) -> bool:

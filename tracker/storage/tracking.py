@@ -95,7 +95,7 @@ def tracker_of(
         video, session.view.camera, skeleton, poses, session.view.ignore_masks,
         session.has_static_camera, memory, first_motion, source, parts, keys,
         fewest=fewest, own=own, people=people, steady=steady, turns=background_turns(session),
-        drafted=drafted,
+        drafted=drafted, times_s=video.info.times_s,
     )  # fmt: skip
 
 

@@ -268,7 +268,16 @@ def joint_evidence(
         height,
         keyed,
         anchors.depth_sigma_m,
+        _foot_distance(free, best) / height,
+        np.array([part for ((part, _),) in anchors.feet.points], dtype=np.int64),
     )
+
+
+def _foot_distance(free: Scene, end: Candidate) -> Array:
+    """(N, F) pixels of heels and toes from where they are seen; NaN where they are not."""
+    feet = end.anchors.feet
+    here = image_points(free.camera, feet.at(end.trajectory.transforms(free.skeleton)))
+    return np.asarray(np.linalg.norm(here - end.anchors.feet_uv, axis=-1))
 
 
 def _drift_by_part(free: Scene, end: Candidate) -> Array:

@@ -82,11 +82,6 @@ class _Prepared:
         return self._video.info.frame_count
 
     @property
-    def times_s(self) -> Array:
-        """Return when the frames of the video are, seconds."""
-        return self._video.info.times_s
-
-    @property
     def shows_background(self) -> bool:
         """Return whether pictures are compared with one of the empty scene."""
         return self._loading[1] or self._loading[4] is not None
@@ -129,15 +124,18 @@ class Tracker:
         steady: SteadyCamera | None = None,
         turns: Array | None = None,
         drafted: Collection[int] = (),
+        times_s: Array | None = None,
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
         people: what sees where in the picture a person is.  steady: the camera in whose place the
         film is tracked, where its own moves: keypoints are as it sees them, all poses that are
         given and found as the film's does.  turns (F, 3, 3): how that is turned from the world,
         where pictures are compared with the empty scene all around.  drafted: the frames of
-        keyposes that nobody has posed since they were drafted.
+        keyposes that nobody has posed since they were drafted.  times_s (F,): when frames are; None
+        where nobody knows, and no pose makes depth surer near by.
         """
-        self._people, self._steady, self._drafted = people, steady, frozenset(drafted)
+        self._people, self._steady = people, steady
+        self._drafted, self._times_s = frozenset(drafted), times_s
         self._own, self._keypoints = tuple(own), keypoints
         self._first_motion = None if first_motion is None else self._steadied(first_motion)
         self._keyed_parts = self._steady_parts(keyed_parts)
@@ -324,11 +322,10 @@ class Tracker:
 
     def _to_posed_s(self, span: tuple[int, int]) -> Array | None:
         """(N,) seconds to the nearer keyframe that a person posed; None without one."""
-        times_s = self._prepared.times_s
-        posed = [times_s[frame] for frame in span if frame not in self._drafted]
-        if not posed:
+        times_s, posed = self._times_s, [frame for frame in span if frame not in self._drafted]
+        if times_s is None or not posed:
             return None
-        away = np.abs(times_s[span[0] : span[1] + 1, None] - np.array(posed))
+        away = np.abs(times_s[span[0] : span[1] + 1, None] - times_s[posed])
         return np.asarray(away.min(axis=1))
 
     def _corrected_work(

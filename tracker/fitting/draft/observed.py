@@ -17,7 +17,7 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.keypoints.on_body import foot_end, points_on_body
 from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.posed import BodyPoints
 
@@ -162,10 +162,7 @@ def _end(body: Body, name: str) -> tuple[int, Point] | None:
         aside, up, forward = _ON_HEAD[name]
         size = -top[1]
         return body.index("head"), (aside * size, -up * size, forward * size)
-    side, _, what = name.partition("_")
-    part, landmark = f"{side}_foot", f"{side}_{'heel' if what == 'heel' else 'toe'}"
-    place = _landmark(body, part, landmark)
-    return None if place is None else (body.index(part), place)
+    return foot_end(body, name)
 
 
 def _landmark(body: Body, part: str, name: str) -> Point | None:

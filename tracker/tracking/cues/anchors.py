@@ -21,7 +21,13 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.lifted_depth import depth_along_view
-from keypose.tracker.keypoints.on_body import FEWEST, OTHER_PERSON, height_px, points_on_body
+from keypose.tracker.keypoints.on_body import (
+    FEWEST,
+    OTHER_PERSON,
+    foot_ends,
+    height_px,
+    points_on_body,
+)
 from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.least_squares import damped_step
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
@@ -53,7 +59,12 @@ FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
 
 
-BY_FRAME = ("uv", "scale", "depth", "depth_scale", "visibility", "by_hand", "depth_sigma_m")
+BY_FRAME = (
+    *("uv", "scale", "depth", "depth_scale", "visibility", "by_hand", "depth_sigma_m"),
+    "feet_uv",
+)
+FOOT_SEEN = 0.5
+"""Visibility from which a heel or a toe is compared with."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +80,8 @@ class Anchors:
     them, 0 where nobody did; `scale` is 0 there.
     exchanged: left and right of some frames were exchanged against what the detector says.
     depth_sigma_m (N, K): the detector's own, of depths that were lifted; NaN of others.
+    feet: F heels and toes on the body, feet_uv (N, F, 2): where they are seen, NaN where they are
+    not: what feet are judged by, which follow nothing.
     """
 
     points: BodyPoints
@@ -82,6 +95,8 @@ class Anchors:
     joints: BodyPoints
     by_hand: Array
     depth_sigma_m: Array
+    feet: BodyPoints
+    feet_uv: Array
     exchanged: bool = False
 
     def terms(self, camera: Camera, kernel: Kernel, frames: slice | int) -> tuple[Term, ...]:
@@ -276,8 +291,16 @@ def _anchors(
     exact = by_hand / (BY_HAND_SHARE * height)
     return Anchors(
         where, parts, uv, scale, depth, depth_scale * detected, visibility, height, joints, exact,
-        _sigmas_m(seen, index),
+        _sigmas_m(seen, index), *_feet(scene, seen),
     )  # fmt: skip
+
+
+def _feet(scene: Scene, seen: Keypoints) -> tuple[BodyPoints, Array]:
+    """The heels and toes of the body, and (N, F, 2) where they are seen."""
+    index, parts, points = foot_ends(scene.skeleton.body, seen.names)
+    is_seen = seen.visibility[:, index] >= FOOT_SEEN
+    uv = np.where(is_seen[..., None], seen.uv[:, index], np.nan)
+    return BodyPoints.single(scene.skeleton, parts, points), uv
 
 
 def _sigmas_m(seen: Keypoints, index: NDArray[np.int64]) -> Array:

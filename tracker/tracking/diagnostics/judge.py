@@ -17,10 +17,11 @@ import numpy as np
 
 from keypose.tracker.body.angle_errors import GUESSED_RAD, angle_errors
 from keypose.tracker.body.modify import height
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.session.verdict import GOOD, Verdict
-from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
+from keypose.tracker.session.verdict import GOOD, Cause, Verdict
+from keypose.tracker.tracking.cues.joint_evidence import GOOD_FOOT, JointEvidence
 from keypose.tracker.tracking.cues.silhouette import SilhouetteMismatch
 from keypose.tracker.tracking.cycle import NOWHERE_PX, Outcome
 from keypose.tracker.tracking.diagnostics.expected_gain import expected_gain
@@ -162,7 +163,8 @@ def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verd
     if keyed is not None:
         frame, name = first + keyed[0], skeleton.body.names[int(joints.parts[keyed[1]])]
         return Verdict.check("keyframe_off_keypoints", (frame, frame), name)
-    return GOOD
+    feet = np.nan_to_num(joints.expected_foot_error(skeleton.part_count))
+    return _worst_run(skeleton, first, "uncertain", feet - GOOD_FOOT) or GOOD
 
 
 def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict:
@@ -197,20 +199,26 @@ def _judge_depth(scene: Scene, segment: Segment, outcome: Outcome) -> Verdict:
     errors = angle_errors(scene.skeleton, outcome.trajectory, across_m, along_m)
     if errors is None:
         return GOOD
-    guessed = np.nan_to_num(errors.directions - GUESSED_RAD).clip(0.0)
+    guessed = np.nan_to_num(errors.directions - GUESSED_RAD)
     guessed[[0, -1]] = 0.0  # a keyframe is what a person says
-    part = int(guessed.sum(axis=0).argmax())
-    found = [run for run in runs(guessed[:, part] > 0) if run[1] - run[0] + 1 >= SHORTEST_RUN]
+    return _worst_run(scene.skeleton, segment.first_frame, "depth", guessed) or GOOD
+
+
+def _worst_run(skeleton: Skeleton, first: int, cause: Cause, beyond: Array) -> Verdict | None:
+    """The part that is beyond what is good by most, in its worst run of frames; None where none is
+    for long. beyond (N, P): over 0 where it is."""
+    beyond = beyond.clip(0.0)
+    part = int(beyond.sum(axis=0).argmax())
+    found = [run for run in runs(beyond[:, part] > 0) if run[1] - run[0] + 1 >= SHORTEST_RUN]
     if not found:
-        return GOOD
-    start, end = max(found, key=lambda run: float(guessed[run[0] : run[1] + 1, part].sum()))
-    first = segment.first_frame
+        return None
+    start, end = max(found, key=lambda run: float(beyond[run[0] : run[1] + 1, part].sum()))
     return Verdict(
         kind="check",
-        cause="depth",
-        part=scene.skeleton.body.names[part],
+        cause=cause,
+        part=skeleton.body.names[part],
         frames=(first + start, first + end),
-        go=first + start + int(guessed[start : end + 1, part].argmax()),
+        go=first + start + int(beyond[start : end + 1, part].argmax()),
     )
 
 
@@ -325,7 +333,8 @@ def segment_result(
     if outcome.joints is not None:
         depth = outcome.joints.expected_depth_m(scene.skeleton.part_count, segment.to_posed_s)
         by_part = outcome.joints.expected_error(scene.skeleton.part_count)
-        error = by_part * outcome.joints.height_px * enlarged
+        feet = outcome.joints.expected_foot_error(scene.skeleton.part_count)
+        error = np.fmax(by_part, feet) * outcome.joints.height_px * enlarged
     diagnostics = replace(
         seen.diagnostics,
         expected_gain=expected_gain(scene, outcome, seen),

@@ -11,6 +11,7 @@ import pytest
 from keypose.tracker.body.angle_errors import MEDIAN_OF_SIGMA
 from keypose.tracker.tracking.cues.joint_evidence import (
     FITTED,
+    FOOT_OWN,
     GOOD,
     LOST,
     POSED_M,
@@ -168,3 +169,23 @@ def test_between_neighbouring_keyframes_nothing_can_be_off() -> None:
     nothing = _evidence(apart=0.2, drift=0.2, frames=2)
     assert nothing.is_good
     assert not nothing.is_lost
+
+
+def with_feet(distance: list[float | None]) -> JointEvidence:
+    """A toe of part 5 so far from its keypoint, frame by frame; None: not seen."""
+    plain = _evidence(frames=len(distance))
+    away = np.array([[np.nan if each is None else each] for each in distance])
+    return replace(plain, foot_distance=away, foot_parts=np.array([5]))
+
+
+def test_a_foot_that_is_seen_elsewhere_for_a_while_is_off_by_what_keypoints_are_not() -> None:
+    hangs = with_feet([0.01] + [0.08] * 29 + [0.01])
+    errors = hangs.expected_foot_error(6)
+    assert errors[15, 5] == pytest.approx(np.sqrt(0.08**2 - FOOT_OWN**2))
+    assert errors[[0, -1], 5].tolist() == [0.0, 0.0]  # keyframes
+    assert np.isnan(errors[:, :5]).all()
+    assert with_feet([0.015] * 31).expected_foot_error(6)[:, 5].max() == 0.0
+    once = with_feet([0.01] * 15 + [0.3] + [0.01] * 15)
+    assert once.expected_foot_error(6)[:, 5].max() == 0.0, "an outlier of one frame"
+    assert with_feet([None] * 31).expected_foot_error(6)[:, 5].max() == 0.0
+    assert np.isnan(_evidence().expected_foot_error(6)).all()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 from typing import Any
 
 import cv2
@@ -27,9 +26,11 @@ from keypose.tracker.video.pyramid import LEVELS, Clip, prepare
 from tests.rendering.render import rendered
 from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
-from tests.tracker.tracking_cases import FPS, tracked
+from tests.tracker.tracking_cases import tracked
 
 FILM = Filmed(moving())
+FPS = 30.0
+TIMES_S = np.arange(FILM.truth.last_frame + 1) / FPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +38,6 @@ class Film:
     """A video of grey pictures: the loader's clips are given."""
 
     clip: Clip
-
-    @property
-    def info(self) -> Any:
-        """As much as is asked for: when its frames are."""
-        return SimpleNamespace(times_s=np.arange(FILM.truth.last_frame + 1) / FPS)
 
 
 @pytest.fixture(autouse=True)
@@ -56,7 +52,9 @@ def _tracker(
     poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
     source = None if keypoints is None else GivenKeypoints(keypoints)
     film: Any = Film(segment.clip)
-    return Tracker(film, CAMERA, skeleton, poses, keypoints=source, drafted=drafted)
+    return Tracker(
+        film, CAMERA, skeleton, poses, keypoints=source, drafted=drafted, times_s=TIMES_S
+    )
 
 
 def _motion(keypoints: Keypoints | None, **settings: object) -> Trajectory:

@@ -383,3 +383,16 @@ def test_a_pose_that_a_person_set_makes_the_depth_near_it_good() -> None:
     assert judge(SCENE, posed, with_depth(0.2), clear()) == GOOD
     slow = replace(SEGMENT, to_posed_s=away / 10.0)
     assert judge(SCENE, slow, with_depth(0.2), clear()).cause == "depth"
+
+
+@pytest.mark.parametrize(("away", "kind"), [(0.03, "good"), (0.09, "check")])
+def test_a_foot_that_hangs_beside_where_it_is_seen_is_named(away: float, kind: str) -> None:
+    good = with_depth(0.02)
+    assert good.joints is not None
+    foot = SKELETON.body.index("right_foot")
+    feet = replace(
+        good.joints, foot_distance=np.full((N + 1, 1), away), foot_parts=np.array([foot])
+    )
+    found = verdict(replace(good, joints=feet))
+    assert found.kind == kind
+    assert found.part == ("right_foot" if kind == "check" else None)
