@@ -16,13 +16,14 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.space.findings import MOST_PUSH, STILL_M_S2, accelerations, near_end
 from keypose.tracker.space.soles import foot_heights
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.stretches import stretches
 
 SIDES = ("left", "right")
-PLANTED_M_S, NEAR_END, STILL_M_S2 = 0.08, 3, 5.0
-"""Of what stands; frames beside a pin's end; and an acceleration that is as good as none."""
+PLANTED_M_S = 0.08
+"""Of what stands."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,8 @@ class Effect:
 COLUMNS = ("pins", "soles cm", "planted cm", "knees deg", "95 % deg", "px", "joint px", "turn deg",
            "before", "push", "mm", "mm before", "up deg")  # fmt: skip
 
-MOST_SOLES_CM, MOST_KNEE_DEG, MOST_PX, MOST_JOINT_PX, MOST_TURN_DEG, MOST_PUSH = (
-    1.5, 5.0, 0.3, 8.0, 12.0, 1.3,
+MOST_SOLES_CM, MOST_KNEE_DEG, MOST_PX, MOST_JOINT_PX, MOST_TURN_DEG = (
+    1.5, 5.0, 0.3, 8.0, 12.0,
 )  # fmt: skip
 
 
@@ -158,15 +159,10 @@ def push(
     """The largest acceleration of a foot near where a pin begins or ends, beside that before."""
     most = [0.0, STILL_M_S2]
     for which, motion in enumerate((after, before)):
-        for side in SIDES:
-            p = motion.transforms(skeleton)[:, skeleton.body.index(f"{side}_foot"), :3, 3]
-            a = np.linalg.norm(np.diff(p, 2, axis=0), axis=-1) * rate**2
-            for pin in pins:
-                if pin.part == f"{side}_foot":
-                    for end in pin.span:
-                        row = end - motion.first_frame - 1
-                        near = a[max(row - NEAR_END, 0) : row + NEAR_END + 1]
-                        most[which] = max(most[which], float(near.max(initial=0.0)))
+        for pin in pins:
+            a = accelerations(skeleton, motion, skeleton.body.index(pin.part), rate)
+            near = [a[near_end(end - motion.first_frame, len(a))] for end in pin.span]
+            most[which] = max(most[which], *(float(each.max(initial=0.0)) for each in near))
     return most[0] / most[1]
 
 

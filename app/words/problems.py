@@ -119,10 +119,11 @@ def _is_all(frames: tuple[int, int], first: int, last: int) -> bool:
 
 
 PASSES: Final = "tracked from either keyframe, it differs"
+FOOT: Final = "heel and toe are seen elsewhere"
 
 _REASONS: Final[Mapping[ProblemCause, Callable[[Problem], str]]] = {
     "not_seen": lambda found: f"{_hidden(found)}, {frame_range(*found.frames)}",
-    "uncertain": lambda _: PASSES,
+    "uncertain": lambda found: _differs(found),
     "not_followed": lambda _: PASSES,
     "diverged": lambda _: PASSES,
     "depth": lambda found: f"a guess in depth, {frame_range(*found.frames)}",
@@ -132,7 +133,7 @@ _REASONS: Final[Mapping[ProblemCause, Callable[[Problem], str]]] = {
 }
 _SENTENCES: Final[Mapping[ProblemCause, Callable[[Problem, str], str]]] = {
     "not_seen": lambda found, within: f"{_part(found)} {_hidden(found)}{within}",
-    "uncertain": lambda found, within: f"{_part(found)} may be wrong{within}: {PASSES}",
+    "uncertain": lambda found, within: f"{_part(found)} may be wrong{within}: {_differs(found)}",
     "not_followed": lambda found, _: f"Forward and backward differ in {frame_range(*found.span)}",
     "fast_motion": lambda found, _: f"Fast motion {frame_range(*found.frames)}",
     "longest_interval": lambda found, _: f"Longest interval, {_length(found)} frames",
@@ -192,6 +193,11 @@ def _hidden(found: Problem) -> str:
     return "partly hidden" if found.partly else "hidden"
 
 
+def _differs(found: Problem) -> str:
+    """From what a part in doubt differs: feet follow shins, and nothing is tracked of them."""
+    return FOOT if (found.part or "").endswith("_foot") else PASSES
+
+
 def _part(found: Problem) -> str:
     return part_label(found.part or "body")
 
@@ -221,16 +227,22 @@ _SPACE_SENTENCES: Final[Mapping[str, str]] = {
     "twisted": "At keyframe {go} {part} is turned {deg}° too far about its length",
     "leans": "The body leans {deg}° out of balance, {frames}",
     "shakes": "{part} shakes with {acceleration} m/s², {frames}",
+    "pulled": "The pin of {the_part} moves it by {px} px in the picture, {frames}",
+    "bent": "The pin of {the_part} bends the knee by {deg}°, which was not seen, {frames}",
+    "jumps": "{part} jumps at {go}, where its pin begins or ends",
 }
 
 
 def space_sentence(found: SpaceFinding) -> str:
     """Such as "Left foot slides 9 cm, 40–55"."""
     part = part_label(found.part)
+    the_part = f"the {part[:1].lower()}{part[1:]}"
     if found.kind in ("keyframe_depth", "mirrored", "twisted"):
-        part = f"the {part[:1].lower()}{part[1:]}"
+        part = the_part
     return _SPACE_SENTENCES[found.kind].format(
         part=part,
+        the_part=the_part,
+        px=f"{found.amount:.0f}",
         cm=_centimetres(found.amount),
         frames=f"{found.first_frame}–{found.last_frame}",
         go=found.go,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
@@ -26,6 +27,13 @@ _DRAFTS: Final[Mapping[Reason, Callable[[str], str]]] = {
 }
 
 
+_IN_SPACE: Final[Mapping[str, Callable[[float], str]]] = {
+    "off_floor": lambda metres: f"leaves the floor by {100 * metres:.0f} cm",
+    "pulled": lambda px: f"its pin moves it by {px:.0f} px",
+    "bent": lambda rad: f"its pin bends the knee by {math.degrees(rad):.0f}°",
+}
+
+
 def label_of_place(place: Place) -> str:
     """The part that it is about: "Right forearm"."""
     return WHOLE_BODY if place.part is None else part_label(place.part)
@@ -36,7 +44,7 @@ def reason_of_place(place: Place) -> str:
     if isinstance(place.why, Problem):
         return reason_of(place.why)
     if isinstance(place.why, SpaceFinding):
-        return f"leaves the floor by {100 * abs(place.why.amount):.0f} cm"
+        return _IN_SPACE[place.why.kind](abs(place.why.amount))
     return _DRAFTS[place.why.reason](readable(place.part) if place.part else "the body")
 
 

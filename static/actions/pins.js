@@ -79,6 +79,12 @@ export function unpin(index = pinHere()) {
   send({ do: 'delete_pin', index });
 }
 
+/** Take the pin away that holds a part over these frames. @param {string} part @param {number} first @param {number} last */
+export function unpinOver(part, first, last) {
+  const index = allPins().findIndex((pin) => pin.part === part && pin.first <= last && pin.last >= first);
+  if (index >= 0) unpin(index);
+}
+
 /** The pin here begins at the playhead. */
 export function beginPin(part = selectedPart()) {
   send({ do: 'change_pin', index: pinHere(part), first: frame() });

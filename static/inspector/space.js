@@ -6,6 +6,7 @@ import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionButton } from '../actions/buttons.js';
+import { unpinOver } from '../actions/pins.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { button } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
@@ -44,6 +45,7 @@ const REMEDIES = {
       send({ do: 'untwist', part });
     },
   },
+  unpin: { label: 'Unpin', act: ({ part, first, last }) => unpinOver(part, first, last) },
   soften: { label: (found) => labelOf('softKeys', keyframesOf(found)), title: titleOf('softKeys'), act: (found) => perform('softKeys', keyframesOf(found)) },
   level: { label: 'Level the feet', act: () => send({ do: 'up_from_feet' }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },

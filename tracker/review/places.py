@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final, TypeAlias
@@ -177,19 +177,32 @@ def _in_segments(known: JudgedSegments) -> Iterator[Place]:
 
 
 def _in_space(known: JudgedSegments, doc: Session, results: Results) -> Iterator[Place]:
-    """Feet that leave the floor: as large as it would be seen from the side."""
+    """Feet that leave the floor and what their pins do to legs: as large as it would be seen from
+    the side."""
     findings = [found for stretch in results.space(doc) for found in stretch.findings]
     for found in findings:
-        if found.kind != "off_floor" or known.answer(found.part, found.go) is not None:
+        as_px = _SIZES.get(found.kind)
+        if as_px is None or known.answer(found.part, found.go) is not None:
             continue
         track = next((t for t in known.tracks.values() if t.first <= found.go <= t.last), None)
         scale = None if track is None else known.px_per_m(track, found.go, found.part)
         frames = (found.first_frame, found.last_frame)
-        px = None if scale is None else abs(found.amount) * scale
+        px = None if scale is None else as_px(abs(found.amount), scale)
         if track is None or px is None or px <= LEAST_PX:
             continue
         place = _tracked_place(known, track, found, found.go, found.part, frames, px)
         yield from [place] if place else []
+
+
+KNEE_LEVER_M: Final = 0.2
+"""By a radian that it is bent a knee is so far aside, hip and ankle where they are: half of what
+thigh or shin are long."""
+_SIZES: Final[Mapping[str, Callable[[float, float], float]]] = {
+    "off_floor": lambda metres, px_per_m: metres * px_per_m,
+    "pulled": lambda px, _: px,
+    "bent": lambda radians, px_per_m: KNEE_LEVER_M * radians * px_per_m,
+}
+"""Pixels of a finding by its amount, and by those of a metre there."""
 
 
 def _tracked_place(

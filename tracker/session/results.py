@@ -96,7 +96,9 @@ class SpaceFinding(Plain):
     way in depth, its mirror image is `amount` metres nearer to a neighbouring keyframe; twisted: at
     the keyframe `go` it is turned about its own length by `amount` radians beyond what is allowed,
     signed; leans: the body is `amount` radians out of balance over its feet; shakes: `amount` m/s²,
-    root mean square, at the waist.
+    root mean square, at the waist; pulled: a pin of `part` moves its limb by `amount` pixels in the
+    picture; bent: it bends the knee by `amount` radians beyond what was tracked; jumps: where it
+    begins or ends, at `go`, the part is accelerated by `amount` m/s², which nothing shows.
     """
 
     kind: Literal[
@@ -108,6 +110,9 @@ class SpaceFinding(Plain):
         "twisted",
         "leans",
         "shakes",
+        "pulled",
+        "bent",
+        "jumps",
     ]
     part: str
     first_frame: FrameIndex

@@ -29,6 +29,11 @@ SHAKES_M_S2 = 8.0
 """Root mean square acceleration of a waist that only shaking brings about at slow speeds."""
 
 
+NEAR_END, STILL_M_S2, MOST_PUSH = 3, 5.0, 1.3
+"""Frames beside a pin's end; an acceleration that is as good as none; and how many times that which
+was tracked there, or that, a pin may accelerate a foot."""
+
+
 @dataclass(frozen=True, eq=False)
 class MotionInSpace:
     """What is looked at.
@@ -79,6 +84,7 @@ def space_findings(judged: MotionInSpace) -> tuple[SpaceFinding, ...]:
         *_twisted(judged),
         *_leans(judged),
         *_shakes(judged),
+        *_jumps(judged),
     )
 
 
@@ -221,6 +227,39 @@ def _shakes(judged: MotionInSpace) -> Iterator[SpaceFinding]:
             kind="shakes", part=judged.skeleton.body.names[0], first_frame=motion.first_frame,
             last_frame=motion.last_frame, go=motion.first_frame + row, amount=usual,
         )  # fmt: skip
+
+
+def _jumps(judged: MotionInSpace) -> Iterator[SpaceFinding]:
+    """Parts that are accelerated where a pin begins or ends, far beyond what was tracked there."""
+    rate, first = judged.frames_per_second, judged.motion.first_frame
+    last = judged.motion.last_frame
+    for stance, pinned in zip(judged.stances, judged.pinned, strict=True):
+        if not pinned:
+            continue
+        part = judged.skeleton.body.index(stance.part)
+        after, before = (
+            accelerations(judged.skeleton, motion, part, rate)
+            for motion in (judged.motion, judged.tracked)
+        )
+        for end in stance.span:
+            near = near_end(end - first, len(after))
+            row = near.start + int(after[near].argmax()) if first < end < last else near.start
+            pushed = float(after[near].max(initial=0.0))
+            usual = max(float(before[near].max(initial=0.0)), STILL_M_S2)
+            if first < end < last and pushed > MOST_PUSH * usual:
+                yield _of_stance("jumps", stance, first + 1 + row - stance.first_frame, pushed)
+
+
+def accelerations(skeleton: Skeleton, motion: Trajectory, part: int, rate: float) -> Array:
+    """(N − 2,) m/s² of a part's joint, of the second frame to the last but one."""
+    p = motion.transforms(skeleton)[:, part, :3, 3]
+    return np.asarray(np.linalg.norm(np.diff(p, 2, axis=0), axis=-1) * rate**2)
+
+
+def near_end(row: int, count: int) -> slice:
+    """Of so many accelerations those near the end of a pin, which is at a row of the motion."""
+    at = min(max(row - 1, 0), max(count - 1, 0))
+    return slice(max(at - NEAR_END, 0), at + NEAR_END + 1)
 
 
 def _of_stance(kind: str, stance: Pin, row: int, amount: float) -> SpaceFinding:

@@ -13,6 +13,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
+from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.solver.posed import image_points
 from keypose.tracker.space.pinned import KNEES
 
@@ -92,6 +93,17 @@ class Compared:
 def harms(compared: Compared, pins: Sequence[Pin]) -> tuple[Harm, ...]:
     """What every pin does in the picture, and to a knee; the pins lie within the motion."""
     return tuple(harm for pin in pins for harm in _of_pin(compared, pin))
+
+
+def harm_findings(compared: Compared, pins: Sequence[Pin]) -> Iterator[SpaceFinding]:
+    """What pins do that is not to be kept in silence."""
+    for harm in harms(compared, pins):
+        if harm.is_much:
+            yield SpaceFinding(
+                kind="bent" if harm.kind == "knee" else "pulled", part=harm.pin.part,
+                first_frame=harm.pin.first_frame, last_frame=harm.pin.last_frame, go=harm.frame,
+                amount=harm.amount,
+            )  # fmt: skip
 
 
 def _of_pin(compared: Compared, pin: Pin) -> Iterator[Harm]:

@@ -15,11 +15,11 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.sigmas import TILT_GIVES_RAD
-from keypose.tracker.space.harm import Compared, Harm, harms, worst_apart, worst_of_each
+from keypose.tracker.space.harm import Harm, harms, worst_apart, worst_of_each
 from keypose.tracker.space.soles import AIR_M, foot_heights
-from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, heights_px, solve_space
+from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.space import asked, stances, up_of
+from keypose.tracker.storage.space import asked, compared, stances, up_of
 from keypose.tracker.storage.stretches import SegmentRun, stretches
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -44,12 +44,7 @@ class Solved:
     @cached_property
     def harms(self) -> tuple[Harm, ...]:
         """What every pin does."""
-        problem = self.problem
-        heights = heights_px(problem, problem.skeleton)
-        compared = Compared(
-            problem.skeleton, problem.camera, problem.motion, self.solution.motion, heights
-        )
-        return harms(compared, self.pins)
+        return harms(compared(self.problem, self.solution), self.pins)
 
     @property
     def in_world(self) -> Trajectory:

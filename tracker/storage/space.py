@@ -17,10 +17,11 @@ from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
+from keypose.tracker.space.harm import Compared, harm_findings
 from keypose.tracker.space.pinned import PinnedPoint
 from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
-from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, solve_space
+from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, heights_px, solve_space
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 from keypose.tracker.storage.tracking import keyed_parts
@@ -105,7 +106,14 @@ def solved(
     motion = found.motion
     if moments is not None:
         motion = _changed_in_world(problem.path, motion, moments.shown)
-    return SpaceResult(stretch.key, motion, pins, free, space_findings(judged), found.floor_m)
+    findings = (*space_findings(judged), *harm_findings(compared(problem, found), stretch.pins))
+    return SpaceResult(stretch.key, motion, pins, free, findings, found.floor_m)
+
+
+def compared(problem: SpaceProblem, found: SpaceSolution) -> Compared:
+    """What was solved for beside what was tracked."""
+    heights = heights_px(problem, problem.skeleton)
+    return Compared(problem.skeleton, problem.camera, problem.motion, found.motion, heights)
 
 
 def stances(session: Session, motion: Trajectory, up_world: Array | None) -> tuple[Pin, ...]:

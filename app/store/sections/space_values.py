@@ -205,10 +205,15 @@ _REMEDIES: Final = {
     "twisted": "untwist",
     "leans": "",
     "shakes": "smooth",
+    "pulled": "unpin",
+    "bent": "unpin",
+    "jumps": "unpin",
 }
 _WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyframe_depth": 15.0,
-                   "mirrored": 20.0, "twisted": 3.0, "leans": 3.0, "shakes": 0.1}  # fmt: skip
-"""What makes findings of different kinds comparable: of 5 cm, of 20°, of 10 m/s² each about 1."""
+                   "mirrored": 20.0, "twisted": 3.0, "leans": 3.0, "shakes": 0.1, "pulled": 0.12,
+                   "bent": 6.0, "jumps": 0.05}  # fmt: skip
+"""What makes findings of different kinds comparable: of 5 cm, of 8 px, of a knee's 10° or a body's
+20°, of a shake of 10 or a jump of 20 m/s² each about 1."""
 
 
 def space(app_state: AppState) -> Json:
@@ -257,10 +262,10 @@ def _guessed_up(edit: EditorState, rise_m: float) -> Json:
 
 
 def _is_accepted(known: JudgedSegments, found: SpaceFinding) -> bool:
-    """Return whether a person has said that the foot is right where it leaves the floor, or the
-    limb as it points.
+    """Return whether a person has said that the foot is right where it leaves the floor or as it is
+    pinned, or the limb as it points.
     """
-    asked = found.kind in ("off_floor", "mirrored")
+    asked = found.kind in ("off_floor", "mirrored", "pulled", "bent")
     answered = known.answer(found.part, found.go) if asked else None
     return answered is not None and answered.answer == "accepted"
 

@@ -46,6 +46,15 @@ def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
         ),
         (found("leans", 0.4, "waist"), "The body leans 23° out of balance, 10–20"),
         (found("shakes", 11.3, "waist"), "Waist shakes with 11 m/s², 10–20"),
+        (
+            found("pulled", 12.3),
+            "The pin of the left foot moves it by 12 px in the picture, 10–20",
+        ),
+        (
+            found("bent", 0.3),
+            "The pin of the left foot bends the knee by 17°, which was not seen, 10–20",
+        ),
+        (found("jumps", 30.0), "Left foot jumps at 14, where its pin begins or ends"),
     ],
 )
 def test_every_finding_is_a_sentence_with_its_amount_and_frames(

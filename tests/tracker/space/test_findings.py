@@ -71,6 +71,20 @@ def test_of_a_true_walk_nothing_is_found() -> None:
     assert found == ()
 
 
+def test_a_foot_that_its_pin_pushes_off_is_found_and_one_that_was_tracked_so_is_not(
+    person: Scene,
+) -> None:
+    pushed = np.zeros((FRAMES, 3))
+    pushed[41:, 0] = 0.04  # where the pins end
+    motion, pins = moved(person.truth, pushed), stances(20, 40)
+    given = {"stances": pins, "pinned": (True, True), "floor_m": None}
+    found = findings(person, motion, **given, tracked=person.truth)
+    assert [(one.kind, one.part) for one in found] == [("jumps", foot) for foot in FEET]
+    assert all(abs(one.go - 40) <= 3 for one in found)
+    assert findings(person, motion, **given) == ()  # tracked is the motion itself
+    assert findings(person, motion, **given | {"pinned": (False, False)}) == ()
+
+
 def test_a_foot_that_slides_is_found_unless_it_is_pinned(person: Scene) -> None:
     slides = np.zeros((FRAMES, 3))
     slides[:, 0] = 0.12 * np.clip((np.arange(FRAMES) - 40) / 20, 0, 1)

@@ -8,7 +8,14 @@ import pytest
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.space.harm import Compared, Harm, harms, worst_apart, worst_of_each
+from keypose.tracker.space.harm import (
+    Compared,
+    Harm,
+    harm_findings,
+    harms,
+    worst_apart,
+    worst_of_each,
+)
 from tests.rendering.scenes import Scene
 from tests.tracker.space.space_cases import standing
 
@@ -51,6 +58,17 @@ def test_a_knee_that_a_pin_bends_is_measured_and_that_of_the_other_leg_is_not() 
     assert not any(
         harm.is_much for harm in harms(compared(SHOWN, bent(12.0, slice(None))), [right])
     )
+
+
+def test_much_harm_is_a_finding_of_the_pin_and_little_is_none() -> None:
+    (found,) = harm_findings(compared(SHOWN, bent(12.0, slice(None))), [LEFT])
+    assert (found.kind, found.part) == ("bent", "left_foot")
+    assert np.degrees(found.amount) == pytest.approx(12.0, abs=0.01)
+    assert (found.first_frame, found.last_frame) == LEFT.span
+    (pulled,) = harm_findings(compared(SHOWN, aside(20.0, slice(None))), [HAND])
+    assert (pulled.kind, pulled.part) == ("pulled", "right_hand")
+    assert pulled.amount == pytest.approx(20.0, rel=0.15)
+    assert not list(harm_findings(compared(SHOWN, bent(6.0, slice(None))), [LEFT, HAND]))
 
 
 def test_what_single_frames_do_does_not_count_nor_what_lies_outside_a_pin() -> None:
