@@ -19,8 +19,8 @@ from bench.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "long",
-    "surface", "space", "standing", "markers", "camera", "panned", "mask", "evidence", "drafts",
-    "effort", "rigs", "install", "fuzz", "gains",
+    "surface", "space", "standing", "markers", "angles", "camera", "panned", "mask", "evidence",
+    "drafts", "effort", "rigs", "install", "fuzz", "gains",
 )  # fmt: skip
 HOURS_LONG = ("gains",)
 """Measured only where it is asked for."""

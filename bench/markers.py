@@ -79,7 +79,8 @@ class Expectation:
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """A film, the person's box in one frame, and where the joints were.
+    """A film, the person's box in one frame, or None where they are found, and where the joints
+    were.
 
     height_cm: with which the body is as long from ankles to shoulders as the truth's: what a person
     is asked for, and the rivals were told.  frames: those that are drafted, all where None.
@@ -90,7 +91,7 @@ class Film:
     video: Path
     view_deg: float
     height_cm: float
-    box: tuple[float, float, float, float]
+    box: tuple[float, float, float, float] | None
     frame: int
     frames: str | None
     R_camera_truth: Array
@@ -113,7 +114,7 @@ def markers(report: Report) -> None:
     report.note("in the view; hips, shoulders: mean turn of their line in the horizontal, degrees;")
     report.note("feet: mean degrees between the lines from heel to toe")
     table = report.table("against markers", *COLUMNS, wide=COLUMNS)
-    for found in (_opencap_walk, _opencap_squat, _person):
+    for found in (opencap_walk, opencap_squat, person):
         with contextlib.suppress(Absent):
             _film(found(), table)
 
@@ -126,7 +127,7 @@ def _film(film: Film, table: Table) -> None:
     before, after = [], []
     for box in _boxes(film):
         with TemporaryDirectory() as folder:
-            session = _run(film, box, Path(folder))
+            session = run_film(film, box, Path(folder))
             before.append(_measured(film, session))
             _command("stand", str(session))
             after.append(_measured(film, session))
@@ -144,6 +145,7 @@ def _film(film: Film, table: Table) -> None:
 
 def _boxes(film: Film) -> Iterator[tuple[float, ...]]:
     """The box, and boxes whose edges are disturbed."""
+    assert film.box is not None
     rng = np.random.default_rng(0)
     height = film.box[3] - film.box[1]
     for n in range(BOXES):
@@ -151,13 +153,14 @@ def _boxes(film: Film) -> Iterator[tuple[float, ...]]:
         yield tuple(round(float(edge), 1) for edge in edges)
 
 
-def _run(film: Film, box: Sequence[float], folder: Path) -> Path:
+def run_film(film: Film, box: Sequence[float] | None, folder: Path) -> Path:
     """Turn a film into motion that does not stand yet; the session's file."""
-    frames = () if film.frames is None else ("--frames", film.frames)
+    more = () if film.frames is None else ("--frames", film.frames)
+    if box is not None:
+        more = (*more, "--box", ",".join(map(str, box)), "--frame", str(film.frame))
     _command(
-        "run", str(film.video), "--out", str(folder), "--box", ",".join(map(str, box)),
-        "--frame", str(film.frame), "--field-of-view", str(film.view_deg),
-        "--height", str(film.height_cm), "--stand", "no", *frames,
+        "run", str(film.video), "--out", str(folder), "--field-of-view", str(film.view_deg),
+        "--height", str(film.height_cm), "--stand", "no", *more,
     )  # fmt: skip
     return next(folder.glob("*.keypose")) / "session.json"
 
@@ -204,8 +207,8 @@ def _figures(p: Array, truth: Array) -> list[float]:
     """The figures of a motion, (F, 16, 3) in any axes, beside the truth in the camera's."""
     feet, true_feet = p[:, 12:], truth[:, 12:]
     p, truth = p[:, :12], truth[:, :12]
-    about, true = _about_hips(p), _about_hips(truth)
-    R = _onto(about, true)
+    about, true = about_hips(p), about_hips(truth)
+    R = onto(about, true)
     turned = about @ R.T
     off = turned - true
     rigid = _turned_onto(p - p.mean((0, 1)), truth - truth.mean((0, 1))) - truth
@@ -235,16 +238,16 @@ def _apart_deg(a: Array, b: Array) -> float:
     return float(np.nanmean(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))))
 
 
-def _about_hips(p: Array) -> Array:
+def about_hips(p: Array) -> Array:
     return np.asarray(p - p[:, HIPS].mean(axis=1, keepdims=True))
 
 
 def _turned_onto(p: Array, truth: Array) -> Array:
     """All points, turned by the one rotation that brings them nearest to the truth."""
-    return np.asarray(p @ _onto(p, truth).T)
+    return np.asarray(p @ onto(p, truth).T)
 
 
-def _onto(p: Array, truth: Array) -> Array:
+def onto(p: Array, truth: Array) -> Array:
     """(3, 3) the rotation that brings points nearest to the truth."""
     R = Rotation.align_vectors(truth.reshape(-1, 3), p.reshape(-1, 3))[0]
     return np.asarray(R.as_matrix())
@@ -267,10 +270,10 @@ def _line_deg(p: Array, truth: Array, ends: tuple[int, int]) -> float:
 
 def _bent_deg(p: Array, truth: Array, joints: Sequence[tuple[int, int, int]]) -> float:
     """Mean degrees by which these joints are bent more or less than they were."""
-    return float(np.mean([np.abs(_angles_deg(p, *j) - _angles_deg(truth, *j)) for j in joints]))
+    return float(np.mean([np.abs(angles_deg(p, *j) - angles_deg(truth, *j)) for j in joints]))
 
 
-def _angles_deg(p: Array, above: int, joint: int, below: int) -> Array:
+def angles_deg(p: Array, above: int, joint: int, below: int) -> Array:
     a, b = p[:, above] - p[:, joint], p[:, below] - p[:, joint]
     cosine = (a * b).sum(-1) / np.linalg.norm(a, axis=-1) / np.linalg.norm(b, axis=-1)
     return np.asarray(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
@@ -286,11 +289,11 @@ def _at(times_s: Array, known_s: Array, p: Array) -> Array:
 # --- the films
 
 
-def _opencap_walk() -> Film:
+def opencap_walk() -> Film:
     return _opencap("walk", 163.5, (360, 550, 626, 1023), 25, None, Expectation(42.0))
 
 
-def _opencap_squat() -> Film:
+def opencap_squat() -> Film:
     return _opencap("squat", 171.6, (148, 547, 475, 1130), 269, "0-330", Expectation(55.0))
 
 
@@ -323,7 +326,7 @@ def _opensim(path: Path) -> tuple[Array, Array]:
     return np.array(motion["time"]), np.stack(p, axis=1)
 
 
-def _person() -> Film:
+def person() -> Film:
     """The man on the balance beam, whom four cameras measured."""
     folder = data_folder("person")
     video, camera, names, joints = person_reference(folder)

@@ -14,12 +14,12 @@ network's training left out, `python -m bench angles` compares them with what is
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from keypose.tracker.body.joint_angles import (
     R_ANATOMICAL_PART,
@@ -62,16 +62,24 @@ _JOINTS: Final = tuple(f"{side}_{part}" for limb in _LIMBS for side in _SIDES fo
 """Parts, each of which begins at its joint, limb by limb."""
 
 
-@dataclass(frozen=True, eq=False)
-class AngleErrors:
-    """What is expected of N frames, radians, medians; NaN where nothing was observed.
+def direction_errors(
+    skeleton: Skeleton, motion: Trajectory, across_m: Array, along_m: Array
+) -> Array | None:
+    """(N, P) radians by which the parts that are seen are expected to point elsewhere: limbs, and
+    the waist's and the chest's lines from left to right; medians, NaN of others and where nothing
+    was observed. None where the body is not a person's.
 
-    directions (N, P): of the parts that are seen: limbs, and the waist's and the chest's lines from
-    left to right; NaN of others.  angles: (N, 3) of each joint, as its angles.
+    across_m, along_m (N, P): by which the joint at the far end of a part is expected to be off, in
+    the picture and along the view; medians, NaN where nothing is known.
     """
-
-    directions: Array
-    angles: Mapping[Joint, Array]
+    if not _is_persons(skeleton):
+        return None
+    found = np.full((len(motion), skeleton.part_count), np.nan)
+    for rows, body in _pieces(skeleton, motion, across_m, along_m):
+        for name, line in body.lines.items():
+            turn = body.turns[name] - line[:, None] * (body.turns[name] @ line[..., None])
+            found[rows, skeleton.body.index(name)] = _median(turn)
+    return found
 
 
 def angle_errors(
@@ -80,28 +88,29 @@ def angle_errors(
     across_m: Array,
     along_m: Array,
     R_ground_camera: Array | None = None,
-) -> AngleErrors | None:
-    """What errors of joints make of angles; None where the body is not a person's.
+    joints: Collection[Joint] | None = None,
+) -> dict[Joint, Array] | None:
+    """(N, 3) radians by which every joint's three angles are expected to be off, as of
+    `direction_errors`; None where the body is not a person's.
 
-    across_m, along_m (N, P): by which the joint at the far end of a part is expected to be off, in
-    the picture and along the view; medians, NaN where nothing is known.  R_ground_camera (3, 3) or
-    (N, 3, 3): without it the pelvis' angles are left out.
+    R_ground_camera (3, 3) or (N, 3, 3): without it the pelvis' angles are left out.  joints: those
+    that are wanted, all where None.
     """
-    joints = [
+    if not _is_persons(skeleton):
+        return None
+    wanted = [
         joint
         for joint in joints_of(skeleton.body)
-        if joint.carrier != ROOT or R_ground_camera is not None
+        if (joint.carrier != ROOT or R_ground_camera is not None)
+        and (joints is None or joint in joints)
     ]
-    if not joints or not {*_JOINTS, "chest"} <= set(skeleton.body.names):
-        return None
-    pieces = [
-        _piece(skeleton, motion, across_m, along_m, slice(at, at + CHUNK), joints, R_ground_camera)
-        for at in range(0, len(motion), CHUNK)
-    ]
-    return AngleErrors(
-        np.concatenate([piece.directions for piece in pieces]),
-        {joint: np.concatenate([piece.angles[joint] for piece in pieces]) for joint in joints},
-    )
+    ground = np.eye(3) if R_ground_camera is None else R_ground_camera
+    ground = np.broadcast_to(ground, (len(motion), 3, 3))
+    found = {joint: np.full((len(motion), 3), np.nan) for joint in wanted}
+    for rows, body in _pieces(skeleton, motion, across_m, along_m):
+        for joint in wanted:
+            found[joint][rows] = _of_joint(skeleton, body, joint, ground[rows])
+    return found
 
 
 def in_metres(
@@ -115,56 +124,42 @@ def in_metres(
     return np.asarray(errors_px * (away_m / (math.sqrt(camera.fx * camera.fy) * zoom))[:, None])
 
 
-def _piece(
-    skeleton: Skeleton, motion: Trajectory, across_m: Array, along_m: Array, rows: slice,
-    joints: list[Joint], R_ground_camera: Array | None,
-) -> AngleErrors:  # fmt: skip
-    Rs = motion.Rs_parent_part[rows]
-    Ts = part_transforms(skeleton, Rs, motion.ps_camera_root[rows])
-    names = skeleton.body.names
-    body = _Posed({name: Ts[:, k, :3, 3] for k, name in enumerate(names)})
+def _is_persons(skeleton: Skeleton) -> bool:
+    names = set(skeleton.body.names)
+    return {*_JOINTS, "chest"} <= names and bool(joints_of(skeleton.body))
+
+
+def _pieces(
+    skeleton: Skeleton, motion: Trajectory, across_m: Array, along_m: Array
+) -> Iterator[tuple[slice, _Posed]]:
+    """Some frames at a time."""
     carriers = [skeleton.parents[skeleton.body.index(name)] for name in _JOINTS]
-    sigma = [values[rows][:, carriers] / MEDIAN_OF_SIGMA for values in (across_m, along_m)]
-    seen = np.asarray(np.isfinite(sigma[1]).all(axis=-1), dtype=np.bool_)
-    turns = body.turns(*sigma)
-    directions = np.full(Ts.shape[:2], np.nan)
-    for name, line in body.lines.items():
-        turn = turns[name] - line[:, None] * (turns[name] @ line[..., None])
-        directions[:, names.index(name)] = _median(turn)
-    ground = np.eye(3) if R_ground_camera is None else R_ground_camera
-    ground = np.broadcast_to(ground, (len(motion), 3, 3))[rows]
-    angles = {}
-    for joint in joints:
-        R_camera = np.broadcast_to(np.eye(3), (len(Rs), 3, 3))
-        if joint.carrier != ROOT:
-            R_camera = Ts[:, names.index(joint.carrier), :3, :3]
-        base = ground if joint.carrier == ROOT else R_ANATOMICAL_PART
-        R_axes_camera = joint.axes_turned @ base @ np.swapaxes(R_camera, -1, -2)
-        R = carried(skeleton.body, joint, Rs, ground)
-        angles[joint] = _of_joint(joint, turns, R_axes_camera, R, seen)
-    return AngleErrors(directions, angles)
+    across, along = (values[:, carriers] / MEDIAN_OF_SIGMA for values in (across_m, along_m))
+    for at in range(0, len(motion), CHUNK):
+        rows = slice(at, at + CHUNK)
+        Rs = motion.Rs_parent_part[rows]
+        Ts = part_transforms(skeleton, Rs, motion.ps_camera_root[rows])
+        yield rows, _Posed(dict(zip(skeleton.body.names, np.moveaxis(Ts, 1, 0), strict=True)),
+                           Rs, across[rows], along[rows])  # fmt: skip
 
 
-def _of_joint(
-    joint: Joint,
-    turns: Mapping[str, Array],
-    R_axes_camera: Array,
-    R: Array,
-    seen: NDArray[np.bool_],
-) -> Array:
+def _of_joint(skeleton: Skeleton, body: _Posed, joint: Joint, ground: Array) -> Array:
     """(N, 3) of a joint's angles about z, x and y."""
-    found = np.full((len(R), 3), UNSEEN_RAD)
-    if joint.part not in turns or (joint.carrier != ROOT and joint.carrier not in turns):
-        return np.where(seen[:, None], found, np.nan)
-    turned = turns[joint.part]
+    seen = np.asarray(np.isfinite(body.along_m).all(axis=-1))[:, None]
+    unseen = np.full((len(seen), 3), UNSEEN_RAD)
+    if joint.part not in body.turns or (joint.carrier != ROOT and joint.carrier not in body.turns):
+        return np.where(seen, unseen, np.nan)
+    turned, R_axes_camera = body.turns[joint.part], joint.axes_turned @ ground
     if joint.carrier != ROOT:
-        turned = turned - turns[joint.carrier]
-    rates = _rates(R) @ R_axes_camera
-    each = _median(np.einsum("nij,nkj->nki", rates, turned)[..., None])
+        turned = turned - body.turns[joint.carrier]
+        R_carrier_camera = np.swapaxes(body.Ts_camera_part[joint.carrier][:, :3, :3], -1, -2)
+        R_axes_camera = joint.axes_turned @ R_ANATOMICAL_PART @ R_carrier_camera
+    rates = _rates(carried(skeleton.body, joint, body.Rs_parent_part, ground)) @ R_axes_camera
+    each = _median((turned @ np.swapaxes(rates, -1, -2))[..., None])
     each = np.minimum(each, np.pi / 2)
     if joint.name.endswith(_HINGES):
         each[:, 1:] = UNSEEN_RAD
-    return np.where(seen[:, None], each, np.nan)
+    return np.where(seen, each, np.nan)
 
 
 def _rates(R: Array) -> Array:
@@ -189,32 +184,41 @@ def _median(causes: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Posed:
-    """Where joints are in N frames. points: (N, 3) by the part that begins there, camera frame."""
+    """N frames of a person, and how unsure their joints are.
 
-    points: Mapping[str, Array]
+    Ts_camera_part: (N, 4, 4) by part.  Rs_parent_part (N, P, 3, 3).
+    across_m, along_m (N, Q): standard deviations of `_JOINTS`.
+    """
 
-    @property
+    Ts_camera_part: Mapping[str, Array]
+    Rs_parent_part: Array
+    across_m: Array
+    along_m: Array
+
+    def point(self, name: str) -> Array:
+        """(N, 3) where a part begins, camera frame."""
+        return self.Ts_camera_part[name][:, :3, 3]
+
+    @cached_property
     def lines(self) -> dict[str, Array]:
         """(N, 3) unit vectors along the bones that are seen, of waist and chest from right to
         left."""
-        p = self.points
-        found = {"waist": p["left_thigh"] - p["right_thigh"]}
-        found["chest"] = p["left_upper_arm"] - p["right_upper_arm"]
+        p = self.point
+        found = {"waist": p("left_thigh") - p("right_thigh")}
+        found["chest"] = p("left_upper_arm") - p("right_upper_arm")
         for upper, lower, end in _limbs():
-            found[upper], found[lower] = p[lower] - p[upper], p[end] - p[lower]
+            found[upper], found[lower] = p(lower) - p(upper), p(end) - p(lower)
         return {name: _unit(line) for name, line in found.items()}
 
-    def turns(self, across_m: Array, along_m: Array) -> dict[str, Array]:
+    @cached_property
+    def turns(self) -> dict[str, Array]:
         """(N, K, 3) radians, camera frame, by which each independent cause turns a part: standard
-        deviations.
-
-        across_m, along_m (N, Q): standard deviations of `_JOINTS`.
-        """
-        off = dict(zip(_JOINTS, self._displaced(across_m, along_m), strict=True))
-        p, lines = self.points, self.lines
+        deviations."""
+        off = dict(zip(_JOINTS, self._displaced(), strict=True))
+        p, lines = self.point, self.lines
         middle = 0.5 * (off["left_upper_arm"] + off["right_upper_arm"])
-        spine = 0.5 * (p["left_upper_arm"] + p["right_upper_arm"])
-        spine = spine - 0.5 * (p["left_thigh"] + p["right_thigh"])
+        spine = 0.5 * (p("left_upper_arm") + p("right_upper_arm"))
+        spine = spine - 0.5 * (p("left_thigh") + p("right_thigh"))
         lean = _swing(spine, middle)
         found = {}
         for name, left, right in (
@@ -222,22 +226,22 @@ class _Posed:
             ("chest", "left_upper_arm", "right_upper_arm"),
         ):
             about = lines[name][:, None] * (lean @ lines[name][..., None])
-            found[name] = _swing(p[left] - p[right], off[left] - off[right]) + about
+            found[name] = _swing(p(left) - p(right), off[left] - off[right]) + about
         for upper, lower, end in _limbs():
-            found[upper] = _swing(p[lower] - p[upper], off[lower] - off[upper])
-            found[lower] = _swing(p[end] - p[lower], off[end] - off[lower])
+            found[upper] = _swing(p(lower) - p(upper), off[lower] - off[upper])
+            found[lower] = _swing(p(end) - p(lower), off[end] - off[lower])
         return self._with_twists(found)
 
-    def _displaced(self, across_m: Array, along_m: Array) -> Iterator[Array]:
+    def _displaced(self) -> Iterator[Array]:
         """(N, K, 3) of each joint, metres."""
         passed = _passed_on()
         for q, name in enumerate(_JOINTS):
-            ray = _unit(self.points[name])
+            ray = _unit(self.point(name))
             side = _unit(np.cross(ray, [0.0, 1.0, 0.0]))
-            along = along_m[:, q, None, None] * passed[q][:, None] * ray[:, None]
+            along = self.along_m[:, q, None, None] * passed[q][:, None] * ray[:, None]
             across = np.zeros((len(ray), 2 * len(_JOINTS), 3))
-            across[:, 2 * q] = across_m[:, q, None] * side
-            across[:, 2 * q + 1] = across_m[:, q, None] * np.cross(ray, side)
+            across[:, 2 * q] = self.across_m[:, q, None] * side
+            across[:, 2 * q + 1] = self.across_m[:, q, None] * np.cross(ray, side)
             yield np.concatenate([along, across], axis=1)
 
     def _with_twists(self, turns: dict[str, Array]) -> dict[str, Array]:

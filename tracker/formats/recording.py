@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.angle_errors import AngleErrors, angle_errors, in_metres
+from keypose.tracker.body.angle_errors import angle_errors, in_metres
 from keypose.tracker.body.ground import Ground, ground_of, ground_of_camera
 from keypose.tracker.body.heading import CAMERA_UP
-from keypose.tracker.body.joint_angles import JointAngles, joint_angles
+from keypose.tracker.body.joint_angles import Joint, JointAngles, joint_angles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
@@ -285,12 +285,10 @@ class Recording:
         found = joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
         if errors is None:
             return found
-        return tuple(
-            replace(each, errors_deg=np.degrees(errors.angles[each.joint])) for each in found
-        )
+        return tuple(replace(each, errors_deg=np.degrees(errors[each.joint])) for each in found)
 
     @cached_property
-    def _angle_errors(self) -> AngleErrors | None:
+    def _angle_errors(self) -> dict[Joint, Array] | None:
         """By how much angles are expected to be off; None where no depth was lifted."""
         known, tracks = self.tracks.diagnostics, self.as_seen
         if known.expected_error is None or known.expected_depth is None:

@@ -132,8 +132,8 @@ def _guessed(
     known: JudgedSegments, track: SegmentResult, listed: Sequence[Problem]
 ) -> Iterator[Problem]:
     """Find where parts are guesses in depth: what a look at the picture does not settle."""
-    errors = known.angle_errors(track)
-    for doubt in [] if errors is None else depth_doubts(errors.directions):
+    errors = known.direction_errors(track)
+    for doubt in [] if errors is None else depth_doubts(errors):
         frame = track.first + doubt.row
         frames = track.first + doubt.first, track.first + doubt.last
         if any(_says_of(known, one, doubt.part, frame) for one in listed):

@@ -134,7 +134,8 @@ def doubts(track: SegmentResult, height_px: float | None) -> list[Doubt]:
 
 
 def depth_doubts(directions: Array) -> list[Doubt]:
-    """The same of parts that are guessed in depth. directions (n + 1, P): see `AngleErrors`."""
+    """The same of parts that are guessed in depth. directions (n + 1, P): see
+    `keypose.tracker.body.angle_errors.direction_errors`."""
     between = np.where(np.isfinite(directions), directions, -np.inf)
     between[[0, -1]] = -np.inf  # a keyframe is what a person says
     return _peaks(between, GUESSED_RAD)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from keypose.tracker.body.angle_errors import AngleErrors, angle_errors, in_metres
+from keypose.tracker.body.angle_errors import angle_errors, direction_errors, in_metres
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.joint_angles import Joint
 from keypose.tracker.body.limb_groups import limb_groups
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import part_transforms, pose_transforms
@@ -34,6 +36,10 @@ KEYED_FRAMES: Final = 8
 which no keyframe more takes away."""
 STILL_M: Final = 0.01
 """An answer counts as long as what was seen lies no farther from where it was."""
+
+
+_DIRECTIONS: WeakKeyDictionary[SegmentResult, Array | None] = WeakKeyDictionary()
+"""A result belongs to one body and one camera."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,18 +161,33 @@ class JudgedSegments:
         depths = depth_errors_m(track)
         return 0.0 if depths is None else float(depths[frame - track.first, self.index(part)])
 
-    def angle_errors(self, track: SegmentResult) -> AngleErrors | None:
-        """By how much the angles of a segment are expected to be off; None where no depth was
-        lifted, or the body is not a person's."""
-        found, skeleton, camera = track.diagnostics, self.skeleton, self.camera
-        if skeleton is None or camera is None or not track.finished:
+    def direction_errors(self, track: SegmentResult) -> Array | None:
+        """(n + 1, P) radians by which parts of a segment are expected to point elsewhere; None
+        where no depth was lifted, or the body is not a person's. Found once for a segment."""
+        if track not in _DIRECTIONS:
+            observed = self._observed(track)
+            _DIRECTIONS[track] = None if observed is None else direction_errors(*observed)
+        return _DIRECTIONS[track]
+
+    def angle_errors(
+        self, track: SegmentResult, joints: Collection[Joint]
+    ) -> dict[Joint, Array] | None:
+        """(n + 1, 3) radians by which the angles of these joints are expected to be off, the same
+        way."""
+        observed = self._observed(track)
+        return None if observed is None else angle_errors(*observed, joints=joints)
+
+    def _observed(self, track: SegmentResult) -> tuple[Skeleton, Trajectory, Array, Array] | None:
+        """The body, its motion, and by how much joints are expected to be off, across the view and
+        along it, metres."""
+        found, motion = track.diagnostics, track.trajectory
+        if self.skeleton is None or self.camera is None or not track.finished:
             return None
         if found.expected_error is None or found.expected_depth is None:
             return None
         zoom = 1.0 if self.path is None else self.path.between(track.first, track.last).zoom
-        motion = track.trajectory
-        across_m = in_metres(found.expected_error, camera, motion.ps_camera_root, zoom)
-        return angle_errors(skeleton, motion, across_m, found.expected_depth)
+        across_m = in_metres(found.expected_error, self.camera, motion.ps_camera_root, zoom)
+        return self.skeleton, motion, across_m, found.expected_depth
 
     def height_px(self, track: SegmentResult) -> float | None:
         """Return how tall the body is in the picture in the middle of a segment; None where nobody

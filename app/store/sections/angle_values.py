@@ -66,13 +66,13 @@ def _expected_errors(edit: EditorState, joints: Sequence[Joint]) -> dict[Joint, 
     """Degrees (F, 3) by which joints' angles are expected to be off, NaN where that is not known;
     None where it is of none."""
     known = JudgedSegments.of(edit.doc, edit.results)
-    judged = [(track.first, known.angle_errors(track)) for track in known.tracks.values()]
+    judged = [(track.first, known.angle_errors(track, joints)) for track in known.tracks.values()]
     pieces = [(first, errors) for first, errors in judged if errors is not None]
     if not pieces:
         return None
     found: dict[Joint, Array] = {}
     for joint in joints:
-        rows = [(first, errors.angles[joint]) for first, errors in pieces]
+        rows = [(first, errors[joint]) for first, errors in pieces]
         found[joint] = np.degrees(side_by_side(rows, edit.frame_count, (3,)))
     return found
 

@@ -12,6 +12,9 @@ from keypose.app.editor.state import EditorState
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.app.words.problems import space_sentence
+from keypose.app.words.review import reason_of_place
+from keypose.tracker.review.places import review_of
+from keypose.tracker.review.segment_errors import LEAST_PX
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult, SpaceFinding
 from keypose.tracker.space.result import SpaceResult
@@ -65,12 +68,18 @@ def test_every_finding_is_a_sentence_with_its_amount_and_frames(
 
 def solved(edit: EditorState, *findings: SpaceFinding, pins: tuple[PinResult, ...] = ()) -> Any:
     """What the page is told where the solve in space found this."""
+    state = AppState(edit=with_found(edit, *findings, pins=pins))
+    return Sections().changed(state)["space"]
+
+
+def with_found(
+    edit: EditorState, *findings: SpaceFinding, pins: tuple[PinResult, ...] = ()
+) -> EditorState:
     smooth = after(edit, {"do": "settings", "smooth": True})
     (stretch,) = stretches(smooth.doc, smooth.results.fitting(smooth.doc))
     motion = next(iter(smooth.results.by_key.values())).trajectory
     space = SpaceResult(stretch.key, motion, pins, findings=findings)
-    results = Results(smooth.results.by_key, {stretch.key: space})
-    return Sections().changed(AppState(edit=replace(smooth, results=results)))["space"]
+    return replace(smooth, results=Results(smooth.results.by_key, {stretch.key: space}))
 
 
 def known(edit: EditorState) -> EditorState:
@@ -90,6 +99,28 @@ def test_the_worst_is_reported_first_with_what_mends_it() -> None:
     ]  # fmt: skip
     assert reported[1]["words"] == "Keyframe 0 is 8 cm off the pin of the left foot"
     assert (reported[1]["keyframes"], reported[1]["cm"]) == ([0, 12, 16], 8.0)
+
+
+@pytest.mark.parametrize(
+    ("finding", "reason"),
+    [
+        (found("off_floor", 0.2), "leaves the floor by 20 cm"),
+        (found("pulled", 12.3), "its pin moves it by 12 px"),
+        (found("bent", 0.4), "its pin bends the knee by 23°"),
+    ],
+)
+def test_what_pins_and_floors_do_to_a_foot_is_a_place_of_the_review(
+    finding: SpaceFinding, reason: str
+) -> None:
+    state = with_found(known(stepping((5, 12))), finding)
+    (place,) = review_of(state.doc, state.results).places
+    assert (place.part, place.frame, place.frames) == ("left_foot", 14, (10, 20))
+    assert reason_of_place(place) == reason
+    assert place.px is not None
+    assert place.px > LEAST_PX
+    small = with_found(known(stepping((5, 12))), found(finding.kind, finding.amount / 50))
+    assert not review_of(small.doc, small.results).places
+    assert solved(known(stepping((5, 12))), finding)[0]["remedy"] in ("pin", "unpin")
 
 
 def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -11,11 +13,12 @@ from keypose.tracker.body.angle_errors import (
     PASSED_ON,
     TURNED_RAD,
     UNSEEN_RAD,
-    AngleErrors,
     angle_errors,
+    direction_errors,
     in_metres,
 )
 from keypose.tracker.body.body import Body, preset
+from keypose.tracker.body.joint_angles import Joint
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -28,6 +31,13 @@ FAR_M = 6.0
 FRAMES = 300  # more than are worked on at a time
 
 
+class Errors(NamedTuple):
+    """Radians: of parts (N, P), and of angles (N, 3) by joint."""
+
+    directions: Array
+    angles: dict[Joint, Array]
+
+
 def posed(**bent_rad: tuple[float, float, float]) -> Trajectory:
     """The body upright before the camera, some parts turned, in all frames alike."""
     pose = Pose.rest(SKELETON, (0.0, 0.0, FAR_M))
@@ -38,24 +48,26 @@ def posed(**bent_rad: tuple[float, float, float]) -> Trajectory:
     return Trajectory(0, Rs, np.broadcast_to(pose.p_camera_root, (FRAMES, 3)))
 
 
-def errors_of(along_m: dict[str, float], motion: Trajectory, across_m: float = 0.0) -> AngleErrors:
+def errors_of(along_m: dict[str, float], motion: Trajectory, across_m: float = 0.0) -> Errors:
     """along_m: of the joint at the far end of some parts; the others are exact."""
     along = np.zeros((FRAMES, SKELETON.part_count))
     for name, error in along_m.items():
         along[:, BODY.index(name)] = error
-    found = angle_errors(SKELETON, motion, np.full(along.shape, across_m), along, np.eye(3))
-    assert found is not None
-    return found
+    given = SKELETON, motion, np.full(along.shape, across_m), along
+    directions, angles = direction_errors(*given), angle_errors(*given, np.eye(3))
+    assert directions is not None
+    assert angles is not None
+    return Errors(directions, angles)
 
 
-def direction(found: AngleErrors, part: str) -> float:
+def direction(found: Errors, part: str) -> float:
     """The same in every frame."""
     column = found.directions[:, BODY.index(part)]
     assert np.ptp(column) == pytest.approx(0.0, abs=1e-12)
     return float(column[0])
 
 
-def angle(found: AngleErrors, joint: str, name: str) -> float:
+def angle(found: Errors, joint: str, name: str) -> float:
     which = next(each for each in found.angles if each.name == joint)
     return float(found.angles[which][-1, [each.name for each in which.angles].index(name)])
 
@@ -160,10 +172,14 @@ def test_where_nothing_was_observed_nothing_is_expected() -> None:
     along[7] = np.nan
     found = angle_errors(SKELETON, posed(), np.zeros_like(along), along)
     assert found is not None
-    knee = next(each for each in found.angles if each.name == "left_knee")
-    assert np.isnan(found.angles[knee][7]).all()
-    assert np.isfinite(np.delete(found.angles[knee], 7, axis=0)).all()
-    assert "pelvis" not in {joint.name for joint in found.angles}  # nothing said what is up
+    knee = next(each for each in found if each.name == "left_knee")
+    assert np.isnan(found[knee][7]).all()
+    assert np.isfinite(np.delete(found[knee], 7, axis=0)).all()
+    assert "pelvis" not in {joint.name for joint in found}  # nothing said what is up
+    only = angle_errors(SKELETON, posed(), np.zeros_like(along), along, joints=[knee])
+    assert only is not None
+    np.testing.assert_array_equal(only[knee], found[knee])
+    assert list(only) == [knee]
 
 
 @pytest.mark.parametrize("name", ["box", "without hands"])
@@ -173,6 +189,7 @@ def test_of_what_is_no_person_nothing_is_expected(name: str) -> None:
     motion = Trajectory(0, Rs, np.full((2, 3), 3.0))
     exact: Array = np.zeros((2, other.part_count))
     assert angle_errors(other, motion, exact, exact) is None
+    assert direction_errors(other, motion, exact, exact) is None
 
 
 def _other(name: str) -> Body:

@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from keypose.tracker.body.angle_errors import GUESSED_RAD, angle_errors
+from keypose.tracker.body.angle_errors import GUESSED_RAD, direction_errors
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import runs
@@ -196,10 +196,10 @@ def _judge_depth(scene: Scene, segment: Segment, outcome: Outcome) -> Verdict:
     if along_m is None:
         return GOOD
     across_m = outcome.joints.expected_error(count) * height(scene.skeleton.body)
-    errors = angle_errors(scene.skeleton, outcome.trajectory, across_m, along_m)
-    if errors is None:
+    directions = direction_errors(scene.skeleton, outcome.trajectory, across_m, along_m)
+    if directions is None:
         return GOOD
-    guessed = np.nan_to_num(errors.directions - GUESSED_RAD)
+    guessed = np.nan_to_num(directions - GUESSED_RAD)
     guessed[[0, -1]] = 0.0  # a keyframe is what a person says
     return _worst_run(scene.skeleton, segment.first_frame, "depth", guessed) or GOOD
 
