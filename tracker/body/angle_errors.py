@@ -36,17 +36,17 @@ from keypose.tracker.geometry.rotations import Array
 
 MEDIAN_OF_SIGMA: Final = 0.674
 """Half of what is distributed normally is off by less."""
-PASSED_ON: Final = 0.9
+PASSED_ON: Final = 0.85
 """Correlation, along the view, of the errors of a joint and of the next one down a limb."""
 SHOULDERS_ALIKE: Final = 0.5
 """The same of the two shoulders. The hips' are opposite: errors count from their middle."""
-DEFINED_RAD: Final = np.radians(2.5)
+DEFINED_RAD: Final = np.radians(3.5)
 """How well a bone's direction is defined: makers of bodies put joints differently."""
 TURNED_RAD: Final = np.radians(15.0)
 """Standard deviation of how a limb is turned about its length where nothing shows it."""
 UNSEEN_RAD: Final = np.radians(20.0)
 """The median of an angle that is not seen: it stays as keyframes have it."""
-GUESSED_RAD: Final = np.radians(15.0)
+GUESSED_RAD: Final = np.radians(12.0)
 """An angle that is expected to be off by more is a guess."""
 LEAST_COSINE: Final = 0.1
 """Of the middle angle: nearer to the pole the other two are not told apart."""

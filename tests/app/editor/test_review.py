@@ -107,10 +107,10 @@ def test_where_depth_is_told_the_centimetres_are_those_of_space() -> None:
 
 
 def guessed(state: EditorState, frame: int, part: str, depth_m: float) -> EditorState:
-    """The same with depth that is known to 1 cm, but for a part around a frame."""
+    """The same with depth that is known to 4 mm, but for a part around a frame."""
     track = first_segment(state)
-    errors = np.full((25, state.skeleton.part_count), RIGHT_PX)
-    depth = np.full(errors.shape, 0.01)
+    errors = np.full((25, state.skeleton.part_count), 0.5)
+    depth = np.full(errors.shape, 0.004)
     depth[frame - 2 : frame + 3, state.doc.subject.body.index(part)] = depth_m
     known = replace(track.diagnostics, expected_error=errors, expected_depth=depth)
     return with_segment(state, replace(track, diagnostics=known))

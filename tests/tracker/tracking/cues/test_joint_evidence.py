@@ -16,6 +16,7 @@ from keypose.tracker.tracking.cues.joint_evidence import (
     LOST,
     POSED_M,
     POSED_S,
+    USUAL_M,
     JointEvidence,
 )
 
@@ -104,10 +105,14 @@ def test_near_a_keyframe_whose_depth_was_posed_less_is_expected_along_the_view()
     posed = evidence.expected_depth_m(6, to_posed_s)
     assert drafted is not None
     assert posed is not None
-    assert drafted[:, 4] == pytest.approx(MEDIAN_OF_SIGMA * 0.1)
-    half = np.hypot(0.05, POSED_M / 2)
-    expected = MEDIAN_OF_SIGMA * np.array([POSED_M, half, 0.1, 0.1, 0.1])
-    assert posed[:, 4] == pytest.approx(expected)
+    far = drafted[0, 4]
+    assert drafted[:, 4] == pytest.approx(far)
+    assert USUAL_M < far < MEDIAN_OF_SIGMA * 0.1, "what is far is less far than it seems"
+    half = np.hypot(far / 2, POSED_M / 2)
+    assert posed[:, 4] == pytest.approx([POSED_M, half, far, far, far])
+    near = replace(_evidence(), depth_sigma_m=sigma_m / 5).expected_depth_m(6)
+    assert near is not None
+    assert near[0, 4] == pytest.approx(MEDIAN_OF_SIGMA * 0.02)
     assert _evidence().expected_depth_m(6, to_posed_s) is None
 
 

@@ -345,12 +345,12 @@ def test_from_one_start_keypoints_alone_decide(distance: float, kind: str) -> No
 
 
 def with_depth(sigma_m: float, part: str = "left_forearm", rows: slice = slice(5, 16)) -> Outcome:
-    """Tracked well in the picture; how far away is known to 2 cm, a joint's to `sigma_m`."""
+    """Tracked well in the picture; how far away is known to 4 mm, a joint's to `sigma_m`."""
     names = ("waist", "chest", "left_thigh", "left_shin", "left_upper_arm", "left_forearm")
     names += tuple(name.replace("left", "right") for name in names[2:])
     parts = np.array([SKELETON.body.index(name) for name in names])
     shape = (N + 1, len(parts))
-    depth = np.full(shape, 0.02)
+    depth = np.full(shape, 0.004)
     depth[rows, names.index(part)] = sigma_m
     joints = JointEvidence(
         parts, np.full(shape, 0.01), np.full(shape, 0.9), np.full(shape, 0.001),
@@ -360,7 +360,7 @@ def with_depth(sigma_m: float, part: str = "left_forearm", rows: slice = slice(5
 
 
 def test_what_is_right_in_the_picture_and_a_guess_in_depth_is_not_good() -> None:
-    assert verdict(with_depth(0.05)) == GOOD
+    assert verdict(with_depth(0.03)) == GOOD
     found = verdict(with_depth(0.2))
     assert (found.kind, found.cause, found.part) == ("check", "depth", "left_forearm")
     assert found.frames == (FIRST + 5, FIRST + 15)
@@ -387,7 +387,7 @@ def test_a_pose_that_a_person_set_makes_the_depth_near_it_good() -> None:
 
 @pytest.mark.parametrize(("away", "kind"), [(0.03, "good"), (0.09, "check")])
 def test_a_foot_that_hangs_beside_where_it_is_seen_is_named(away: float, kind: str) -> None:
-    good = with_depth(0.02)
+    good = with_depth(0.004)
     assert good.joints is not None
     foot = SKELETON.body.index("right_foot")
     feet = replace(
