@@ -78,7 +78,7 @@ function sideNow({ side, values, errors }) {
   const found = extremes(values);
   const range = found ? `${degrees(found.low.value)} to ${degrees(found.high.value)}` : '';
   return html`<span class="side ${side}"><span class="dim">${SIDES[side]}</span> <b class="num">${degrees(values[frame()])}</b>
-    ${off === null ? nothing : html`<span class="dim num" title="Half of all are off by less">± ${degrees(off)}</span>`}
+    ${off === null ? nothing : html`<span class="dim num" title="Half of all are off by less">± ${degrees(off)} ·</span>`}
     <span class="dim num">${range}</span></span>`;
 }
 
