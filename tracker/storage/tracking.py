@@ -77,11 +77,12 @@ def tracker_of(
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
     drafted = [keyframe.frame for keyframe in session.subject.keyframes if keyframe.drafted]
-    source = people = None
+    source = people = times_s = None
     steady = steady_camera(session)
     if session.settings.method == "keypose":  # the published method looks for nobody
         source = steadied(keypoint_source(session, video, keypoints), steady)
         people = steadied(_people(session, video, keypoints), steady)
+        times_s = video.info.times_s
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     imported = session.subject.first_motion
@@ -95,7 +96,7 @@ def tracker_of(
         video, session.view.camera, skeleton, poses, session.view.ignore_masks,
         session.has_static_camera, memory, first_motion, source, parts, keys,
         fewest=fewest, own=own, people=people, steady=steady, turns=background_turns(session),
-        drafted=drafted, times_s=video.info.times_s,
+        drafted=drafted, times_s=times_s,
     )  # fmt: skip
 
 
