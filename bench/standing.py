@@ -36,6 +36,7 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.draft import draft_from_keypoints
 from keypose.tracker.fitting.draft.observed import Joints
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import combined
 from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.detectors import open_detector
 from keypose.tracker.keypoints.keypoints import JOINTS
@@ -43,7 +44,7 @@ from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.contacts import proposed_pins
-from keypose.tracker.space.level import up_from_standing
+from keypose.tracker.space.level import HELD_LEVEL, evidence_of_standing
 from keypose.tracker.space.soles import foot_heights
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
@@ -241,8 +242,8 @@ def _rendered(name: str, table: Table) -> None:
     skeleton = Skeleton.of(unknown.body)
     motion = _motion(unknown.poses)
     stances = [pin for pin in proposed_pins(skeleton, motion, FPS, None) if pin.landmarks[1:]]
-    level = up_from_standing(skeleton, motion, stances)
-    off = float("nan") if level is None else _angle_deg(level, up)
+    level = combined(evidence_of_standing(skeleton, motion, stances), HELD_LEVEL)
+    off = float("nan") if level is None else _angle_deg(level.up, up)
     figures = _of_drafts(shown, Skeleton.of(known.body), _motion(known.poses))
     expected = [
         Expected("up", off, MOST_TILT_DEG, "°"),

@@ -24,6 +24,7 @@ from keypose.app.jobs.film_session import (
     who_is_drafted,
     with_draft_kept,
 )
+from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats
 from keypose.app.orders.film import FilmToDraft
 from keypose.app.words.jobs import about_words
@@ -67,6 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
         frames = frames_to_draft(film.order, session)
         try:
             who = _who(film, session, video, arguments.json)
+            session, up = with_up_unseen(session, video)
             session = with_repeats(session, video, *frames)
             _say_how_long(session, frames, video.info.fps, arguments.json)
             drafts = _drafted(session, video, who, frames, arguments.json)
@@ -78,6 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
             session = with_draft_kept(session, video, place, who, frames, drafts)
             accepted = proposed_frames(session) if arguments.accept else ()
             _write(with_accepted(session, accepted), place, arguments.overwrite)
+    if not arguments.json:
+        print(up, end="\n" if up else "")
     _print(drafts.draft, frames, drafts.detected or frames, session, place, accepted, arguments)
     if drafts.detected is None:
         return DONE
@@ -200,7 +204,10 @@ def _print(
     if arguments.json:
         facts = _facts(draft, frames, detected)
         written = {"session": str(place), "keypoints": str(keypoints)}
-        print_json({**facts, "accepted": list(accepted), **written})
+        world = session.world
+        up = {"up_world": world.up_world, "up_from": list(world.up_from),
+              "up_sigma_rad": world.up_sigma_rad}  # fmt: skip
+        print_json({**facts, **up, "accepted": list(accepted), **written})
         return
     count = frames[1] - frames[0] + 1
     print(f"Drafts at {len(draft.poses)} of {count} frames.")

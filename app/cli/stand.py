@@ -10,6 +10,7 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.jobs.stand import stood
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
+from keypose.tracker.geometry.up import Disagreement
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
@@ -57,7 +58,9 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
         "pins_taken": done.taken,
         "softened": list(done.softened),
         "up_camera": session.world.up_world,
-        "up_from": done.up_from,
+        "up_from": list(done.up.sources),
+        "up_sigma_rad": done.up.sigma_rad,
+        "up_apart": [_apart(one) for one in done.up.apart],
         "floor_m": session.world.floor_m,
         "tilted_rad": done.tilted_rad,
         "released": [_harm(harm) for harm in done.released],
@@ -68,6 +71,12 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
         "soles_off_m": None if soles is None else soles.off_m,
         "in_air": [] if soles is None else [list(run) for run in soles.in_air],
     }
+
+
+def _apart(one: Disagreement) -> dict[str, object]:
+    """A source that disagrees with what up rests on."""
+    return {"from": one.evidence.source, "up_camera": one.evidence.up.tolist(),
+            "sigma_rad": one.evidence.sigma_rad, "sigmas": one.sigmas}  # fmt: skip
 
 
 def _harm(harm: Harm) -> dict[str, object]:

@@ -88,7 +88,7 @@ class Lift(Message):
 
 
 class FindUp(Message):
-    """What is up found by upright lines in the pictures."""
+    """What is up found by upright lines in the pictures, by how the person stands and where."""
 
     do: Literal["find_up"] = "find_up"
 
@@ -192,6 +192,12 @@ class CloseFit(Message):
     """What the last fit did has been read."""
 
     do: Literal["close_fit"] = "close_fit"
+
+
+class CloseUp(Message):
+    """What was found of the up direction has been read."""
+
+    do: Literal["close_up"] = "close_up"
 
 
 class Cancel(Message):
@@ -299,6 +305,7 @@ Fitting: TypeAlias = (
     | TrackAhead
     | LookBefore
     | CloseFit
+    | CloseUp
     | Previewing
 )
 Shelving: TypeAlias = RenameSession | DuplicateSession | DeleteSession | RestoreSession

@@ -17,8 +17,10 @@ from keypose.app.posing import CAMERA_UP, up_from_vertical
 from keypose.app.posing.gesture import Spot
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import UpEvidence, UpSource, up_of_one
 from keypose.tracker.session.references import FramesPerSecond
 from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import Position
 from keypose.tracker.session.views import LensSource
 from keypose.tracker.video.upright_lines import up_from_segments
 
@@ -26,6 +28,8 @@ STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
 BENT = (-0.316, 0.127, 0.0, 0.0, -0.026)
 """Of a lens that spreads angles evenly over the picture (r = f θ), as action cameras do: the fit of
 θ / tan θ up to 52° off the axis, to 0.0014."""
+LEAST_LENGTH = 1e-6
+"""A shorter vector has no direction."""
 SHORTEST_PX = 5
 """A line drawn to show what is up is at least this long."""
 
@@ -166,6 +170,24 @@ class LevelCamera(Edit):
         return state.doc.with_up(to_world(state.doc, state.frame, CAMERA_UP))
 
 
+class TakeUp(Edit):
+    """Up as one of the sources that were looked at shows it, in the world, and how sure that is."""
+
+    do: Literal["take_up"] = "take_up"
+    verb = "change the up direction"
+    up: Position
+    sigma_deg: Annotated[FiniteFloat, Field(gt=0, le=180)]
+    source: UpSource
+
+    def apply(self, state: EditorState) -> Session:
+        length = math.hypot(*self.up)
+        if length < LEAST_LENGTH:
+            raise ActionRefused("This is no direction.")
+        up = np.array(self.up) / length
+        evidence = UpEvidence.of(up, math.radians(self.sigma_deg), self.source)
+        return state.doc.with_up_found(up_of_one(evidence))
+
+
 class ResetUp(Edit):
     """The camera's own up again."""
 
@@ -177,7 +199,7 @@ class ResetUp(Edit):
 
 
 MESSAGES = (
-    ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, LevelCamera, ResetUp,
+    ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, LevelCamera, TakeUp, ResetUp,
 )  # fmt: skip
 
 

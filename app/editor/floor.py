@@ -61,7 +61,7 @@ class UpFromFeet(Edit):
         if apart < LEAST_APART_M:
             raise ActionRefused("Pin two steps first, at least half a metre apart.")
         up = up_from_places(places, np.array(up_in_world(state.doc)))
-        levelled = state.doc.with_up(up, from_feet=True)
+        levelled = state.doc.with_up_found(up)
         if levelled.world.floor_m is None:
             return levelled
         state = state.with_doc(levelled)

@@ -1,17 +1,20 @@
-"""Find what is up by upright lines in the pictures."""
+"""Find what is up by all that shows it, and take over what was found."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
-from keypose.app.editor.frames import to_world
+from keypose.app.editor.frames import T_camera_world
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
-from keypose.app.words.standing import lines_words
+from keypose.app.words.up import nothing_words, unsure_words, up_words
 from keypose.tracker.session import Session
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 from keypose.tracker.video.info import MissingFrame
 
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.actions import FindUp as Asked
     from keypose.app.editor.state import EditorState
     from keypose.app.store.state import AppState
+    from keypose.tracker.geometry.up import UpEstimate
     from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "find the up direction"
@@ -27,9 +31,23 @@ PICTURES: Final = 3
 """Pictures in which upright lines are looked for."""
 
 
+@dataclass(frozen=True, eq=False)
+class FoundUp:
+    """What was found of up, until something else is edited.
+
+    estimate: in the world; None where nothing shows it.  lines: upright ones that agree, None where
+    few do or nobody looked.  after: the document with it.
+    """
+
+    estimate: UpEstimate | None
+    lines: UprightLines | None = None
+    after: Session | None = None
+
+
 def upright_lines(session: Session, video: Video, frame: int | None = None) -> UprightLines | None:
     """Find upright lines in one frame, or in some of the whole film; None where few agree."""
-    from keypose.tracker.video.upright_lines import up_from_lines  # loads what only this needs
+    from keypose.tracker.storage.up import lens_spread  # loads what only this needs
+    from keypose.tracker.video.upright_lines import up_from_lines
 
     spread = np.linspace(0, session.view.video.frame_count - 1, PICTURES).astype(int).tolist()
     pictures = []
@@ -39,44 +57,62 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
         except MissingFrame:
             continue
     camera = session.view.camera if frame is None else session.camera_at(frame)
-    if not pictures:
-        return None
-    most = session.view.depth_share or 0.0  # two standard deviations of usual lenses
-    return up_from_lines(pictures, camera, most / 2)
+    return up_from_lines(pictures, camera, lens_spread(session)) if pictures else None
 
 
-def sure_lines(session: Session, video: Video) -> UprightLines | None:
-    """Those of the whole film where they are good enough to be taken unseen."""
+def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
+    """A session that nobody looks at, with up by the lines of its film where these are good enough,
+    and what is said of that; itself where somebody set it, or the camera does not stand still."""
+    if session.has_up_of_hand or not session.has_static_camera:
+        return session, ""
+    from keypose.tracker.storage.up import estimated_up  # loads what only this needs
+
     lines = upright_lines(session, video)
-    return lines if lines is not None and lines.is_sure else None
+    found = estimated_up(session, {}, lines)
+    if lines is None or found is None:
+        return session, nothing_words()
+    if not lines.is_sure:
+        return session, unsure_words(found)
+    return session.with_up_found(found), up_words(found)
 
 
 @dataclass(frozen=True)
 class FindUp(Fit):
-    """frame: the present one, the only one that is looked at before a camera that moves."""
+    """frame: the present one, the only one that is looked at before a camera that moves.  fitting:
+    what was tracked, by segment."""
 
     frame: int = 0
+    fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
 
-    title = "Looking for upright lines"
+    title = "Looking for what is up"
     needs_loops = False
     why_cancelled = "Cancelled because the camera changed."
-    not_of_surfaces = "A film is needed to find upright lines in it."
+    not_of_surfaces = "A film is needed to find the up direction."
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Asked) -> Self:
-        return cls(*sent(opened, edit.doc, keyframes=()), edit.frame)
+        finished = {span: found for span, found in edit.fitting.items() if found.finished}
+        return cls(*sent(opened, edit.doc), edit.frame, finished)
 
-    def work(self, session: Session, context: Context) -> UprightLines | None:
+    def work(self, session: Session, context: Context) -> FoundUp:
+        from keypose.tracker.storage.up import (
+            estimated_up,
+            motions_of,
+        )  # loads what only this needs
+
         video = context.cache.video(session, self.video_path)
-        return upright_lines(session, video, None if session.has_static_camera else self.frame)
+        lines = upright_lines(session, video, None if session.has_static_camera else self.frame)
+        free = session.with_up(None)  # asked for anew, whatever was set
+        motions = motions_of(free, self.fitting)
+        T = T_camera_world(session, self.frame)
+        return FoundUp(estimated_up(free, motions, lines, T[:3, :3].T), lines)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return *filmed_by(doc), doc.world.up_world
+        return *filmed_by(doc), doc.world.up_world, doc.world.up_from
 
-    def apply(self, found: UprightLines | None, state: AppState) -> tuple[AppState, str]:
-        if found is None:
-            return state, "Too few upright lines agree. Draw the horizon, or two verticals."
-        edit = state.editing
-        up_world = to_world(edit.doc, self.frame, found.up_camera)
-        after = edit.with_step(edit.doc.with_up(up_world), LABEL)
-        return replace(state, edit=after), lines_words(found)
+    def apply(self, found: FoundUp, state: AppState) -> tuple[AppState, str]:
+        edit, estimate = state.editing, found.estimate
+        if estimate is None:
+            return state, nothing_words()
+        after = edit.with_step(edit.doc.with_up_found(estimate), LABEL)
+        return replace(state, edit=after, up=replace(found, after=after.doc)), ""  # it has a card

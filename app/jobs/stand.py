@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from keypose.app.editor.documents import softened
-from keypose.app.jobs.find_up import sure_lines
+from keypose.app.jobs.find_up import FoundUp, upright_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import standing_words
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from keypose.app.store.state import AppState
     from keypose.tracker.storage.results import Results
     from keypose.tracker.storage.standing import Standing
+    from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "stand on the floor"
 """What undo calls it."""
@@ -31,17 +32,13 @@ CHANGED: Final = (
     "pins",
     "settings",
     "up_world",
-    "up_from_feet",
+    "up_from",
+    "up_sigma_rad",
     "floor_m",
     "camera_motion",
     "camera_keyframes",
 )
 """The session's fields that standing sets."""
-
-
-def needs_lines(session: Session) -> bool:
-    """Return whether upright lines are to say what is up, of a camera that stands still."""
-    return session.world.up_world is None and session.has_static_camera
 
 
 def stood(
@@ -61,9 +58,9 @@ def stood(
     from keypose.tracker.storage.tracks import load_tracks
 
     lines = None
-    if needs_lines(session):
+    if session.has_static_camera and not session.has_up_of_hand:  # else no film is needed
         with open_video_of(session, path) as video:
-            lines = sure_lines(session, video)
+            lines = upright_lines(session, video)
     motion = None if session.subject.results is None else load_tracks(session, path)
     done = stand(session, results.fitting(session), lines, cancelled, motion=motion)
     for stretch in results.unsolved(done.session):
@@ -87,13 +84,13 @@ class StandOnFloor(Fit):
         finished = {span: found for span, found in edit.fitting.items() if found.finished}
         return cls(*sent(opened, edit.doc), finished)
 
-    def work(self, session: Session, context: Context) -> Standing:
+    def work(self, session: Session, context: Context) -> tuple[Standing, UprightLines | None]:
         from keypose.tracker.storage.standing import stand  # loads what only this needs
 
         lines = None
-        if needs_lines(session):
-            lines = sure_lines(session, context.cache.video(session, self.video_path))
-        return stand(session, self.fitting, lines, context.cancelled)
+        if session.has_static_camera:
+            lines = upright_lines(session, context.cache.video(session, self.video_path))
+        return stand(session, self.fitting, lines, context.cancelled), lines
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
@@ -103,13 +100,17 @@ class StandOnFloor(Fit):
             *(doc.value(name) for name in CHANGED),
         )
 
-    def apply(self, found: Standing, state: AppState) -> tuple[AppState, str]:
+    def apply(
+        self, found: tuple[Standing, UprightLines | None], state: AppState
+    ) -> tuple[AppState, str]:
+        done, lines = found
         edit = state.editing
-        fields = {name: found.session.value(name) for name in CHANGED if name != "keyframes"}
+        fields = {name: done.session.value(name) for name in CHANGED if name != "keyframes"}
         keyframes = (
-            softened(keyframe, "depth" if keyframe.frame in found.softened else keyframe.soft)
+            softened(keyframe, "depth" if keyframe.frame in done.softened else keyframe.soft)
             for keyframe in edit.doc.subject.keyframes
         )
         fields["keyframes"] = tuple(keyframes)  # those that stay are the same
         after = edit.with_step(edit.doc.changed(fields), LABEL)
-        return replace(state, edit=after), standing_words(found)
+        up = FoundUp(done.up, lines, after.doc) if done.up.apart else None  # to choose from
+        return replace(state, edit=after, up=up), standing_words(done)

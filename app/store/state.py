@@ -13,6 +13,7 @@ from keypose.app.editor.ahead import followed_so_far
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.ahead import Following
 from keypose.app.jobs.find_people import Boxes
+from keypose.app.jobs.find_up import FoundUp
 from keypose.app.jobs.fit_pose import FitOutcome
 from keypose.app.jobs.fit_sizes import SizesPreview
 from keypose.app.jobs.job import JobState
@@ -130,6 +131,7 @@ class AppState:
     tabs: int = 0
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
     fit: FitOutcome | None = None
+    up: FoundUp | None = None
     draft: Session | None = None
     keypoints: KnownKeypoints = KnownKeypoints()
     following: Following | None = None

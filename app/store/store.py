@@ -209,7 +209,12 @@ class Store:
             if self.opened and video.deinterlace != before.doc.view.video.deinterlace:
                 self.opened.video.deinterlace(video.deinterlace)
         fit = self._app_state.fit
-        self._set(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
+        up = self._app_state.up
+        self._set(
+            edit=edit,
+            fit=fit if fit is not None and edit.doc is fit.after else None,
+            up=up if up is not None and edit.doc is up.after else None,
+        )
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):
             self._runner.pause(edit.stroke is not None)
         received = self._clients.received(edit.stroke.name if edit.stroke else None)
@@ -340,6 +345,8 @@ class Store:
             self._show_before(action.on)
         elif isinstance(action, actions.CloseFit):
             self._set(fit=None)
+        elif isinstance(action, actions.CloseUp):
+            self._set(up=None)
         elif isinstance(action, actions.Previewing):
             self._proposals.answer_sizes(action)
         elif isinstance(action, actions.ApplyReduction | actions.DiscardReduction):
@@ -362,8 +369,9 @@ class Store:
     def take(self, after: AppState) -> None:
         """Go on from what a job, or the answer to it, made of the state."""
         self._set(
-            fit=after.fit, draft=after.draft, preview=after.preview, reduction=after.reduction
-        )
+            fit=after.fit, up=after.up, draft=after.draft, preview=after.preview,
+            reduction=after.reduction,
+        )  # fmt: skip
         self._edit_to(after.editing)
 
     # --- files from elsewhere
@@ -457,7 +465,9 @@ class Store:
         self._runner.closed()
         self._writer.close()
         self._clients = Clients()
-        self._set(opened=None, edit=None, running={}, job=JobState(), saved=Saved(), fit=None)
+        self._set(
+            opened=None, edit=None, running={}, job=JobState(), saved=Saved(), fit=None, up=None
+        )
         self._set(
             draft=None,
             preview=None,

@@ -8,22 +8,17 @@ from typing import TYPE_CHECKING, Final, TypeVar
 import numpy as np
 
 from keypose.app.posing.labels import part_label
-from keypose.app.posing.placing import tilt_and_roll
 from keypose.app.words.problems import frame_range, named_frames
+from keypose.app.words.up import apart_words, up_words
 
 if TYPE_CHECKING:
     from keypose.tracker.session.pins import Pin
     from keypose.tracker.space.harm import Harm
     from keypose.tracker.space.soles import Soles
     from keypose.tracker.storage.standing import Standing
-    from keypose.tracker.video.upright_lines import UprightLines
 
 T = TypeVar("T")
 MOST_NAMED: Final = 3
-OFF_BY_SIGMA: Final = 2.0
-"""Standard deviations that are told as ±."""
-SURE_DEG: Final = 2
-"""A camera whose tilt is known to that needs no horizon."""
 
 
 def standing_words(done: Standing) -> str:
@@ -33,9 +28,11 @@ def standing_words(done: Standing) -> str:
     soft = len(done.softened)
     gives = f"; {_count(soft, 'keyframe')} {'gives' if soft == 1 else 'give'} way in depth"
     words = [f"{pins} on the floor{new}{gives if soft else ''}."]
-    if done.up_from != "known":
-        words.append(f"{_tilt_words(done)}.")
-    if done.up_from == "known" and round(np.degrees(done.tilted_rad)):
+    if not done.session.has_up_of_hand:
+        words.append(up_words(done.up))
+    elif done.up.apart:
+        words.append(f"{apart_words(done.up)} Check the horizon.")
+    if round(np.degrees(done.tilted_rad)):
         turned = f"{np.degrees(done.tilted_rad):.0f}°"
         words.append(f"Up was turned by {turned}, to where feet stand level.")
     words += [f"{_named(pin)} stands higher and was left there." for pin in _some(done.raised)]
@@ -78,39 +75,6 @@ def _named(pin: Pin) -> str:
 
 def _some(found: Sequence[T]) -> Sequence[T]:
     return found[:MOST_NAMED]
-
-
-def _tilt_words(done: Standing) -> str:
-    assert done.session.world.up_world is not None
-    by = {
-        "lines": "by upright lines in the picture",
-        "feet": "by how the person stands, which is good to some degrees: draw the horizon to be "
-        "surer",
-    }[done.up_from]
-    return f"{camera_words(done.session.world.up_world)}, {by}"
-
-
-def lines_words(found: UprightLines) -> str:
-    """Such as "The camera looks down by 3° ± 2°, by upright lines."; where that is much, what makes
-    it surer. Nine in ten are off by no more."""
-    off_deg = round(float(np.degrees(OFF_BY_SIGMA * found.sigma_rad)))
-    words = f"{camera_words(found.up_camera.tolist())} ± {off_deg}°, by upright lines."
-    return words if off_deg <= SURE_DEG else f"{words} Draw the horizon to be surer."
-
-
-def unsure_lines_words(found: UprightLines) -> str:
-    """The same of lines that were not taken."""
-    off_deg = round(float(np.degrees(OFF_BY_SIGMA * found.sigma_rad)))
-    return f"Upright lines tell the camera's tilt to ± {off_deg}° only, and were not used."
-
-
-def camera_words(up_camera: Sequence[float]) -> str:
-    """Such as "The camera looks down by 12°"."""
-    tilt, _ = tilt_and_roll(up_camera)
-    deg = round(abs(tilt))
-    if not deg:
-        return "The camera is level"
-    return f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
 
 
 def lifted_words(drafts: int, keyframes: int) -> str:

@@ -53,7 +53,9 @@
  * @property {boolean} lens_is_guess
  * @property {number | null} depth_share  By what share distances may be off; null where the lens is known.
  * @property {Point} up
- * @property {'camera' | 'drawn' | 'feet'} up_origin
+ * @property {'camera' | 'drawn' | 'feet' | 'found'} up_origin
+ * @property {number | null} up_off_deg  What is said as ±; null where nobody knows it, or somebody set it.
+ * @property {boolean} up_is_sure  Whether somebody set it, or it is known to 2°.
  * @property {number} tilt_deg
  * @property {number} roll_deg
  * @property {{ drafts: number, keyframes: number, segments: number } | null} lifts  What drafting anew for this up
@@ -431,6 +433,14 @@
  */
 
 /**
+ * @typedef {object} FoundUp  What was found of the up direction, until something else is edited.
+ * @property {string} words
+ * @property {[Spot, Spot][]} lines  Upright ones that agree, pixels.
+ * @property {UpChoice[]} choices  Where ways disagree; none where they do not.
+ */
+/** @typedef {{ label: string, source: string, up: Point, sigma_deg: number }} UpChoice  In the world. */
+
+/**
  * @typedef {object} Reduction  Keyframes of a reduction that wait to be applied or discarded.
  * @property {number} first  Of the frames with a motion.
  * @property {number} last
@@ -541,6 +551,7 @@
  * @property {NetworkHere[]} networks
  * @property {Keypoints | null} keypoints  Of the present frame; null where none are known.
  * @property {Fit | null} fit
+ * @property {FoundUp | null} up
  * @property {SizesPreview | null} sizes_preview
  * @property {Reduction | null} reduction
  * @property {Drafted | null} draft

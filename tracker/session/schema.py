@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, FiniteFloat, model_validator
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import part_transforms
@@ -23,6 +23,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
+from keypose.tracker.geometry.up import UpEstimate, UpSource
 from keypose.tracker.session.annotations import (
     NoteList,
     require_ahead,
@@ -221,10 +222,17 @@ class World(Plain):
         description="The direction that is up, in the frame of the world, which is the first "
         "view's camera as it begins; null: the camera's own, −y.",
     )
-    up_from_feet: bool = Field(
-        default=False,
+    up_from: tuple[UpSource, ...] = Field(
+        default=(),
         exclude_if=operator.not_,
-        description="Whether up was found from pinned feet.",
+        description="What up was found from: upright lines, how the person stands, where feet "
+        "stand; left out where somebody set it.",
+    )
+    up_sigma_rad: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="Its standard deviation where that is largest, radians; left out where it is "
+        "not known.",
     )
     floor_m: Metres | None = Field(
         default=None,
@@ -232,6 +240,15 @@ class World(Plain):
         description="The floor's height along up, from the world's origin, metres; left out where "
         "it is not known.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _names_its_sources(cls, data: Any) -> Any:
+        """Sessions once said only whether up was found from pinned feet."""
+        if not isinstance(data, dict) or "up_from_feet" not in data:
+            return data
+        rest = {name: value for name, value in data.items() if name != "up_from_feet"}
+        return {**({"up_from": ("feet",)} if data["up_from_feet"] is True else {}), **rest}
 
 
 class Session(Plain):
@@ -345,10 +362,21 @@ class Session(Plain):
         path = self.camera_path
         return self.view.camera if path is None else path.camera_at(self.view.camera, frame)
 
-    def with_up(self, up_world: Iterable[float] | None, *, from_feet: bool = False) -> Self:
-        """Set what is up, rounded to 1e-6; None where nobody knows."""
+    def with_up(self, up_world: Iterable[float] | None) -> Self:
+        """Set what is up as somebody said, rounded to 1e-6; None where nobody knows."""
         up = None if up_world is None else tuple(round(float(v), 6) + 0.0 for v in up_world)
-        return self.changed({"up_world": up, "up_from_feet": from_feet})
+        return self.changed({"up_world": up, "up_from": (), "up_sigma_rad": None})
+
+    def with_up_found(self, found: UpEstimate) -> Self:
+        """Set what is up as it was found, in the frame of the world."""
+        return self.with_up(found.up.tolist()).changed(
+            {"up_from": found.sources, "up_sigma_rad": round(found.sigma_rad, 6)}
+        )
+
+    @property
+    def has_up_of_hand(self) -> bool:
+        """Return whether somebody said what is up."""
+        return self.world.up_world is not None and not self.world.up_from
 
     @property
     def spans(self) -> tuple[tuple[int, int], ...]:

@@ -201,11 +201,14 @@ LEVEL_M, LEAN_RAD = 0.03, np.radians(5.0)
 far the camera leans beyond what is known of it."""
 ROLL_RAD, TILT_RAD = np.radians(3.0), np.radians(20.0)
 """Of how far a camera is held off the level, and of how far it looks down or up."""
-UPRIGHT_ACROSS_RAD, UPRIGHT_ALONG_RAD = np.radians(1.5), np.radians(4.0)
-"""Of how far the usual line from feet to shoulders is off the vertical, across the view and along
-it: four cameras of a man on a beam."""
+STANCE_DEPTH: Final = 0.02
+"""Of how far away a foot stands, as a share of that: keyframes are posed at such distances."""
+UPRIGHT_ACROSS_RAD, UPRIGHT_ALONG_RAD = np.radians(2.0), np.radians(4.0)
+"""Of how far the mean line from the feet that stand to the centre of mass is off the vertical,
+across the view and along it: seven films of four calibrated cameras, of a man on a beam and of a
+man who walks and squats."""
 USUAL_FORWARD_RAD, FORWARD_LEAN_RAD = np.radians(3.0), np.radians(4.0)
-"""How far a person leans forward, and the standard deviation of that."""
+"""How far that leans forward of the ankles, and the standard deviation of that."""
 JERK_M_S3: Final = {
     "waist": 225.0,
     "chest": 350.0,

@@ -14,16 +14,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.balance import centre_of_mass
 from keypose.tracker.body.ground import AHEAD_PART
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import (
+    UpEstimate,
+    UpEvidence,
+    up_of_one,
+)
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.solver.sigmas import (
     FORWARD_LEAN_RAD,
     LEAN_RAD,
     LEVEL_M,
     ROLL_RAD,
+    STANCE_DEPTH,
     TILT_RAD,
     UPRIGHT_ACROSS_RAD,
     UPRIGHT_ALONG_RAD,
@@ -38,67 +45,115 @@ MOST_LEAN_RAD: Final = np.radians(45.0)
 MOST_BEND_RAD: Final = np.radians(60.0)
 """Somebody whose knees are bent by more sits, or squats, and is not upright over the feet."""
 LEVEL_CAMERA: Final = np.array([0.0, -1.0, 0.0])
+HELD_LEVEL: Final = UpEvidence.with_covariance(
+    LEVEL_CAMERA, np.diag([ROLL_RAD, 1.0, TILT_RAD]) ** 2, "level"
+)
+"""A camera as people hold it."""
+ABOUT_RAD: Final = np.radians(20.0)
+"""Of where up is looked for by places that do not show it."""
+OF_SCATTER: Final = 5
+"""How many places say nothing of how all scatter: three lie in a plane, and the variance of few is
+itself unsure (Student)."""
+SIDES: Final = ("left", "right")
+JOINT_OF: Final = {
+    "shoulder": "upper_arm", "elbow": "forearm", "hip": "thigh", "knee": "shin", "ankle": "foot"
+}  # fmt: skip
+"""Parts that begin at a person's joints."""
 
 
-def up_from_places(p_camera: Array, up_world: Array) -> Array:
-    """Unit vector (3,) up, by places (N, 3) that lie on one level floor, metres, camera frame.
+def up_from_places(p_world: Array, up_world: Array) -> UpEstimate:
+    """Up by places (N, 3) that lie on one level floor, metres.
 
     up_world: unit vector (3,), what is known of up. It decides what the places do not show: those
     along one line show the slope along it alone.
     """
-    from_middle = p_camera - p_camera.mean(axis=0)
-    up = np.asarray(up_world, dtype=np.float64)
+    known = UpEvidence.of(np.asarray(up_world, dtype=np.float64), LEAN_RAD, "set")
+    return up_of_one(evidence_of_places(p_world, known.up), known)
+
+
+def evidence_of_places(p_world: Array, up_world: Array) -> UpEvidence:
+    """What places (N, 3) on one level floor show of up, metres: the more, the farther they lie
+    apart, and the less, the more they scatter about one plane.
+
+    up_world: unit vector (3,) that is about up.
+    """
+    from_middle = p_world - p_world.mean(axis=0)
+    up = known = np.asarray(up_world, dtype=np.float64)
+    # the camera, where the world begins, sees them at depths that are off by a share
+    sigma = np.hypot(LEVEL_M, STANCE_DEPTH * abs(float(np.median(p_world @ up))))
     for _ in range(STEPS):
         tilts = np.linalg.svd(up[None])[2][1:]  # (2, 3) directions across up
-        rows = np.concatenate([from_middle @ tilts.T / LEVEL_M, tilts.T / LEAN_RAD])
-        off = np.concatenate([from_middle @ up / LEVEL_M, (up - up_world) / LEAN_RAD])
+        rows = np.concatenate([from_middle @ tilts.T / sigma, tilts.T / ABOUT_RAD])
+        off = np.concatenate([from_middle @ up / sigma, (up - known) / ABOUT_RAD])
         up = up - np.linalg.lstsq(rows, off, rcond=None)[0] @ tilts
         up = up / np.linalg.norm(up)
-    return up
+    off = from_middle @ up
+    scatter = float(off @ off) / max(len(off) - OF_SCATTER, 1)
+    away = np.eye(3) - np.outer(up, up)
+    precision = away @ from_middle.T @ from_middle @ away / max(sigma**2, scatter)
+    return UpEvidence(up, precision, "feet")
 
 
-def up_from_standing(
-    skeleton: Skeleton, motion: Trajectory, stances: Sequence[Pin]
-) -> Array | None:
-    """Unit vector (3,) up while a person stands; None where nobody does.
+def evidence_of_standing(
+    skeleton: Skeleton, motion: Trajectory, stances: Sequence[Pin], lens_spread: float = 0.0
+) -> tuple[UpEvidence, ...]:
+    """What a person who stands shows of up, by how they are upright and by where feet stand; none
+    where nobody does.
 
-    motion: camera frame, metres.  stances: feet that stand still, whole, within it.
+    motion: in the world, metres.  stances: feet that stand still, whole, within it.
+    lens_spread: as of `UpEvidence.seen_by_lens`. Depth by a wrong lens tilts the floor, and hardly
+    how a person stands on it.
     """
     if not stances:
-        return None
+        return ()
     Ts = motion.transforms(skeleton)
-    standing = _standing(stances, motion) & (_bend_rad(skeleton, motion) < MOST_BEND_RAD)
-    body, ahead = _upright(skeleton, Ts, standing)
-    if body is None or body @ LEVEL_CAMERA < np.cos(MOST_LEAN_RAD):
-        return None
+    person = _evidence_of_balance(skeleton, motion, Ts, stances)
+    if person is None or person.up @ LEVEL_CAMERA < np.cos(MOST_LEAN_RAD):
+        return ()
     places = np.array([_place(skeleton, Ts, stance, motion.first_frame) for stance in stances])
-    from_middle = places - places.mean(axis=0)
-    # unknown: up's x and z beside (0, −1, 0), and by how much the person leans forward
-    up, lean = LEVEL_CAMERA, USUAL_FORWARD_RAD
-    ways = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    scale = np.array([UPRIGHT_ACROSS_RAD, UPRIGHT_ALONG_RAD])
-    for _ in range(STEPS):
-        rows = np.concatenate([
-            np.column_stack([from_middle @ ways.T, np.zeros(len(places))]) / LEVEL_M,
-            np.column_stack([np.eye(2), ways @ ahead]) / scale[:, None],
-            np.diag(1 / np.array([ROLL_RAD, TILT_RAD, FORWARD_LEAN_RAD])),
-        ])  # fmt: skip
-        off = np.concatenate([
-            from_middle @ up / LEVEL_M,
-            (ways @ (up + lean * ahead - body)) / scale,
-            [up[0] / ROLL_RAD, up[2] / TILT_RAD, (lean - USUAL_FORWARD_RAD) / FORWARD_LEAN_RAD],
-        ])  # fmt: skip
-        step = np.linalg.lstsq(rows, off, rcond=None)[0]
-        up, lean = up - step[:2] @ ways, lean - step[2]
-        up = up / np.linalg.norm(up)
-    return np.asarray(up)
+    return person, evidence_of_places(places, person.up).seen_by_lens(lens_spread)
+
+
+def _evidence_of_balance(
+    skeleton: Skeleton, motion: Trajectory, Ts: Array, stances: Sequence[Pin]
+) -> UpEvidence | None:
+    """What a person shows of up whose weight is over the feet that stand, in the mean; None where
+    nobody stands, or the body has no feet and arms. Ts: of the motion."""
+    joints = {joint: [i for i, name in enumerate(skeleton.body.names) if name.endswith(part)]
+              for joint, part in JOINT_OF.items()}  # fmt: skip
+    if any(len(pair) != len(SIDES) for pair in joints.values()):
+        return None
+    carries = np.stack([
+        _standing([one for one in stances if one.part == skeleton.body.names[foot]], motion)
+        for foot in joints["ankle"]
+    ], axis=1)  # fmt: skip
+    is_upright = carries.any(axis=1) & (_bend_rad(skeleton, motion) < MOST_BEND_RAD)
+    if not is_upright.any():
+        return None
+    Ts, weight = Ts[is_upright], carries[is_upright] / carries[is_upright].sum(axis=1)[:, None]
+    p = {joint: Ts[..., :3, 3][:, pair] for joint, pair in joints.items()}
+    lines = centre_of_mass(p) - (weight[:, :, None] * p["ankle"]).sum(axis=1)
+    lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)
+    ahead = (Ts[:, 0, :3, :3] @ np.array(AHEAD_PART)).mean(axis=0)
+    up = lines.mean(axis=0) - USUAL_FORWARD_RAD * ahead
+    usual = np.diag([UPRIGHT_ACROSS_RAD, UPRIGHT_ACROSS_RAD, UPRIGHT_ALONG_RAD]) ** 2
+    leaning = FORWARD_LEAN_RAD**2 * np.outer(ahead, ahead)
+    sways = np.cov(lines.T, bias=True) / len(stances)  # each stance sways by itself
+    return UpEvidence.with_covariance(up / np.linalg.norm(up), usual + leaning + sways, "person")
 
 
 def leaning_rad(skeleton: Skeleton, motion: Trajectory, up_world: Array) -> float:
     """Return how far the line from feet to shoulders usually is from up; 0 without these."""
-    everywhere = np.ones(len(motion), dtype=np.bool_)
-    body, _ = _upright(skeleton, motion.transforms(skeleton), everywhere)
-    return 0.0 if body is None else float(np.arccos(np.clip(body @ up_world, -1.0, 1.0)))
+    feet, arms = (
+        [i for i, name in enumerate(skeleton.body.names) if name.endswith(part)]
+        for part in (JOINT_OF["ankle"], JOINT_OF["shoulder"])
+    )
+    if not feet or not arms:
+        return 0.0
+    p = motion.transforms(skeleton)[:, :, :3, 3]
+    along = p[:, arms].mean(axis=1) - p[:, feet].mean(axis=1)
+    usual = np.median(along / np.linalg.norm(along, axis=1, keepdims=True), axis=0)
+    return float(np.arccos(np.clip(usual @ up_world / np.linalg.norm(usual), -1.0, 1.0)))
 
 
 def _standing(stances: Sequence[Pin], motion: Trajectory) -> NDArray[np.bool_]:
@@ -116,24 +171,6 @@ def _bend_rad(skeleton: Skeleton, motion: Trajectory) -> Array:
         return np.zeros(len(motion))
     straight = motion.Rs_parent_part[:, shins, 1, 1]  # of the shin's length along the thigh's
     return np.asarray(np.arccos(np.clip(straight, -1.0, 1.0)).min(axis=1))
-
-
-def _upright(
-    skeleton: Skeleton, Ts: Array, standing: NDArray[np.bool_]
-) -> tuple[Array | None, Array]:
-    """The direction (3,) from the feet to the upper arms, the median of what stands, and the mean
-    of where the body faces then; None without feet and arms."""
-    names = skeleton.body.names
-    feet, arms = (
-        [i for i, name in enumerate(names) if name.endswith(end)] for end in ("foot", "upper_arm")
-    )
-    if not feet or not arms or not standing.any():
-        return None, np.zeros(3)
-    p = Ts[standing, :, :3, 3]
-    along = p[:, arms].mean(axis=1) - p[:, feet].mean(axis=1)
-    usual = np.median(along / np.linalg.norm(along, axis=1, keepdims=True), axis=0)
-    faced = Ts[standing, 0, :3, :3] @ np.array(AHEAD_PART)
-    return usual / np.linalg.norm(usual), faced.mean(axis=0)
 
 
 def _place(skeleton: Skeleton, Ts: Array, stance: Pin, first_frame: int) -> Array:

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final
 
 import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import UpEstimate
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.harm import Harm
-from keypose.tracker.space.level import leaning_rad, up_from_standing
+from keypose.tracker.space.level import leaning_rad
 from keypose.tracker.space.soles import by_contact, foot_heights
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.kept_pins import without_harm
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.space import stances, unscaled_spans, up_of
-from keypose.tracker.storage.stretches import keyframes_within, stretches
+from keypose.tracker.storage.stretches import keyframes_within
 from keypose.tracker.storage.tracks import Tracks
+from keypose.tracker.storage.up import estimated_up, motions_of
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 
@@ -31,11 +33,6 @@ STEP_M, NEARER = 0.25, 0.1
 """A foot that stands so much higher than most stands on something else than the floor; unless the
 floor lies behind it in the picture by such a share of its distance: depth is wrong by that."""
 UPSIDE_DOWN_RAD: Final = np.radians(60.0)
-MOST_SLOPE_RAD: Final = np.radians(15.0)
-"""A body leans no farther from what feet on one level say is up."""
-
-UpSource: TypeAlias = Literal["known", "lines", "feet"]
-"""What up rests on: what the session says, upright lines of the picture, how the person stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +41,7 @@ class Standing:
 
     taken: contacts that were proposed and are pins now.  on_floor: pins on the floor.
     softened: frames of keyframes that give way in depth now.  raised: feet that stand higher.
+    up: as it was known or found before the floor tilted.
     released: what contacts that were proposed would have done, and are no pins for it.  harms:
     what each pin does.  hanging: feet that stand still above the floor unpinned, and by
     how many metres.  tilted_rad: by how much the floor is tilted beside what was known of up.
@@ -55,7 +53,7 @@ class Standing:
     on_floor: int
     softened: tuple[int, ...]
     raised: tuple[Pin, ...]
-    up_from: UpSource
+    up: UpEstimate
     released: tuple[Harm, ...]
     harms: tuple[Harm, ...]
     hanging: tuple[tuple[Pin, float], ...]
@@ -78,14 +76,11 @@ def stand(
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
     session = _with_scale(session.changed({"settings": smooth}), fitting)
-    motions = {
-        run.span: session.in_world(joined([segment.trajectory for segment in run.segments]))
-        for run in stretches(session, fitting)
-    }
+    motions = motions_of(session, fitting)
     if not motions:
         raise SessionError(_why_nothing_stands(session, fitting, motion))
     _require_scale(session, motions)
-    session, source = _levelled(session, motions, lines)
+    session, up = _levelled(session, motions, lines)
     known = len(session.subject.pins)
     pins, raised = _on_floor(session, _contacts(session, motions), motions)
     softened = tuple(
@@ -101,7 +96,7 @@ def stand(
         on_floor=sum(pin.floor for pin in pins),
         softened=tuple(sorted(set(softened))),
         raised=tuple(pin for pin in raised if pin in pins),
-        up_from=source,
+        up=up,
         released=kept.released,
         harms=kept.harms,
         hanging=kept.hanging(),
@@ -156,31 +151,29 @@ def _require_standable(session: Session) -> None:
 
 def _levelled(
     session: Session, motions: Mapping[Span, Trajectory], lines: UprightLines | None
-) -> tuple[Session, UpSource]:
+) -> tuple[Session, UpEstimate]:
     """The session with what is up, and what that rests on."""
     skeleton = Skeleton.of(session.subject.body)
     longest = max(motions.values(), key=len)
-    if session.world.up_world is not None:
-        if leaning_rad(skeleton, longest, up_of(session)) > UPSIDE_DOWN_RAD:
-            raise SessionError(
-                "By what is set as up the body lies, or stands on its head: set the horizon again."
-            )
-        return session, "known"
-    if lines is not None:
-        return session.with_up(lines.up_camera), "lines"
-    whole = [pin for pin in stances(session, longest, None) if pin.landmarks[1:]]
-    up = up_from_standing(skeleton, longest, whole)
-    if up is None:
+    found = estimated_up(session, motions, lines)
+    if found is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."
         )
-    slope = leaning_rad(skeleton, longest, up)
-    if slope > MOST_SLOPE_RAD:
+    if session.has_up_of_hand:
+        if leaning_rad(skeleton, longest, found.up) > UPSIDE_DOWN_RAD:
+            raise SessionError(
+                "By what is set as up the body lies, or stands on its head: set the horizon again."
+            )
+        return session, found
+    feet = next((one.evidence for one in found.apart if one.evidence.source == "feet"), None)
+    if feet is not None and "lines" not in found.sources:
+        slope = np.degrees(np.arccos(np.clip(feet.up @ found.up, -1.0, 1.0)))
         raise SessionError(
-            f"Feet stand on a slope of {np.degrees(slope):.0f}° by how the body is upright, as on "
-            "stairs: set the horizon first."
+            f"Feet stand on a slope of {slope:.0f}° by how the body is upright, as on stairs: set "
+            "the horizon first."
         )
-    return session.with_up(up, from_feet=True), "feet"
+    return session.with_up_found(found), found
 
 
 def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin, ...]:

@@ -7,9 +7,8 @@ it is refined over all that agree.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import cv2
@@ -18,17 +17,20 @@ from numpy.typing import NDArray
 
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import UpEvidence
 
 LEAST_SHARE: Final = 0.04
 """A segment is at least so long, a share of the picture's height."""
 STEEP_DEG: Final = 35.0
 """Farther from the picture's own vertical a line is hardly an upright one."""
-END_PX, MOST_OFF_RAD, LEAST_OFF_RAD = 2.0, 0.03, 0.004
+END_PX, MOST_OFF_RAD, LEAST_OFF_RAD = 2.0, 0.03, 0.006
 """How far the end of a segment is off, and what its direction is off by, at most and at least."""
 AGREES: Final = 2.0
 """So many of these a segment may be off."""
 MOST_TILT_RAD, MOST_ROLL_RAD = np.radians(50.0), np.radians(20.0)
 """How far from level a camera is looked for."""
+ONE_THING_RAD: Final = np.radians(0.7)
+"""As seen from the camera, segments this near to each other may lie along one upright thing."""
 APART: Final = 0.02
 """Sine of the angle between the planes of two segments that say where they meet."""
 TRIES, ROUNDS = 1500, 5
@@ -47,27 +49,34 @@ LEAST_AGREEING, LEAST_LINES = 0.4, 6
 
 @dataclass(frozen=True, eq=False)
 class UprightLines:
-    """up_camera: unit vector (3,).  share: of the length of all steep lines that agrees.
+    """Upright lines that agree, and the up that they show.
 
-    lines_sigma_rad: its standard deviation, where that is largest, by the lens as it is taken.
-    lens_sigma_rad: what a lens that is a guess adds: it tilts all that is seen by it alike.
+    alone: up by the lens as it is taken.  share: of the length of all steep lines that agrees.
+    lens_spread: the standard deviation of the focal length as a share of it, where it is a guess:
+    a tilt is off with it.  ends: (K, 2, 2) of the lines that agree, pixels.
     """
 
-    up_camera: Array
+    alone: UpEvidence
     share: float
-    lines_sigma_rad: float = np.radians(LEAST_SIGMA_DEG)
-    lens_sigma_rad: float = 0.0
+    lens_spread: float = 0.0
+    ends: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
 
     @property
-    def sigma_rad(self) -> float:
-        """The standard deviation of both."""
-        return math.hypot(self.lines_sigma_rad, self.lens_sigma_rad)
+    def up_camera(self) -> Array:
+        """Unit vector (3,)."""
+        return self.alone.up
+
+    @property
+    def evidence(self) -> UpEvidence:
+        """Up with the doubt of the lens, too."""
+        return self.alone.seen_by_lens(self.lens_spread)
 
     @property
     def is_sure(self) -> bool:
         """Whether they are good enough to be taken where nobody looks at them: up that is 10° off
-        harms drafts more than up that is unknown."""
-        return bool(self.lines_sigma_rad <= MOST_SIGMA_RAD)
+        harms drafts more than up that is unknown. A lens that is a guess tilts all that is seen by
+        it alike, and does not count."""
+        return bool(self.alone.sigma_rad <= MOST_SIGMA_RAD)
 
 
 def up_from_lines(
@@ -91,19 +100,29 @@ def up_from_lines(
     if up is None:
         return None
     for _ in range(ROUNDS):
-        weight = _agreement(normals, up, sigma) / sigma**2
+        agrees = _agreement(normals, up, sigma)
+        weight = agrees * _alone(normals, up, agrees) / sigma**2
         precisions, ways = np.linalg.eigh((normals * weight[:, None]).T @ normals)
         up = _upward(ways[:, 0])
     agreeing = _agreement(normals, up, sigma) > 0
     share = float(length[agreeing].sum() / length.sum())
     if share < LEAST_AGREEING or agreeing.sum() < LEAST_LINES or not _is_usual(up):
         return None
-    # pictures of a camera that stands still show the same lines
-    by_lines, by_lens = (
-        math.sqrt(len(pictures) / precisions[1]),
-        focal_spread * abs(float(np.arcsin(up[2]))),
-    )
-    return UprightLines(up, share, math.hypot(np.radians(LEAST_SIGMA_DEG), by_lines), by_lens)
+    precisions = np.maximum(precisions[1:], np.finfo(float).tiny)
+    least = np.radians(LEAST_SIGMA_DEG) ** 2 * np.eye(3)
+    covariance = least + (ways[:, 1:] / precisions) @ ways[:, 1:].T
+    alone = UpEvidence.with_covariance(up, covariance, "lines")
+    return UprightLines(alone, share, focal_spread, ends[agreeing])
+
+
+def _alone(normals: Array, up: Array, agrees: Array) -> Array:
+    """(K,) for each segment one over how many lie along one upright thing with it, itself among
+    them: both edges of a post, one post in several pictures. They err alike, and count as one."""
+    across = np.linalg.svd(up[None])[2][1:]
+    x, y = across @ normals.T
+    heading = np.arctan2(y, x)
+    apart = np.abs(np.angle(np.exp(2j * (heading[:, None] - heading)))) / 2
+    return np.asarray(1 / np.maximum((apart < ONE_THING_RAD) @ agrees, 1.0))
 
 
 def up_from_segments(ends: Array, camera: Camera) -> Array | None:

@@ -112,9 +112,10 @@ _STAND_EXAMPLES = """\
 def add_stand(commands: Subcommands) -> None:
     details = (
         "Where feet stand still they become pins on the floor; keyframes stay exact in the picture "
-        "and give way in depth; where nobody has said what is up, upright lines in the picture say "
-        "it, or how the person stands. Then the motion is solved for in space once more. What is "
-        "left is printed: how far soles are off the floor, and frames in the air."
+        "and give way in depth. Where nobody has said what is up, upright lines in the picture, "
+        "how the person stands and where the feet stand show it together, with its ±. Then the "
+        "motion is solved for in space once more. What is left is printed: how far soles are off "
+        "the floor, and frames in the air."
     )
     command = add_command(commands, "stand", details, _STAND_EXAMPLES)
     add_session(command)

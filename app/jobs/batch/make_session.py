@@ -34,9 +34,8 @@ from keypose.app.jobs.film_session import (
     with_draft_kept,
 )
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
-from keypose.app.jobs.find_up import upright_lines
+from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats, with_settings
-from keypose.app.jobs.stand import needs_lines
 from keypose.app.orders.film import FILM_ORDERS, FilmToDraft
 from keypose.app.orders.tracking import said
 from keypose.app.words.people import (
@@ -46,7 +45,6 @@ from keypose.app.words.people import (
     found_person_words,
     undrafted_words,
 )
-from keypose.app.words.standing import lines_words, unsure_lines_words
 from keypose.tracker.body.modify import height
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_own
@@ -182,11 +180,8 @@ def _drafted(
             record = record.with_note(_assumed(film, session))
         require_draftable(session, record.frame, record.box, frames)
         who = WhoIsDrafted(record.frame, record.box)
-        if needs_lines(session) and (lines := upright_lines(session, video)) is not None:
-            if lines.is_sure:
-                session = session.with_up(lines.up_camera)
-            words = lines_words if lines.is_sure else unsure_lines_words
-            record = record.with_note(words(lines))
+        session, words = with_up_unseen(session, video)
+        record = record.with_note(words)
         session = with_repeats(session, video, *frames)
         report_share = _sender(send, "draft", None)
 

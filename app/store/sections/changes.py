@@ -126,7 +126,17 @@ SECTIONS: dict[str, _Section] = {
     "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
         _both(
-            _doc("camera", "up_world", "lens_source", "video", "drafted", "drafts", "keyframes"),
+            _doc(
+                "camera",
+                "up_world",
+                "up_from",
+                "up_sigma_rad",
+                "lens_source",
+                "video",
+                "drafted",
+                "drafts",
+                "keyframes",
+            ),
             _edit("results"),
             _before_camera,
             lambda o: (o.opened,),
@@ -211,6 +221,7 @@ SECTIONS: dict[str, _Section] = {
         evidence_values.keypoints,
     ),
     "fit": _Section(lambda o: (o.fit,), work_values.fit),
+    "up": _Section(lambda o: (o.up,), scene_values.found_up),
     "sizes_preview": _Section(
         _both(lambda o: (o.preview,), _edit("results")), work_values.sizes_preview
     ),

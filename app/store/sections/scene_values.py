@@ -14,6 +14,7 @@ from keypose.app.posing import tilt_and_roll
 from keypose.app.store.sections.evidence_values import surface_version
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
+from keypose.app.words.up import SURE_DEG, choice_words, off_deg, up_words
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.session.references import VideoReference
@@ -90,6 +91,8 @@ def camera(app_state: AppState) -> Json:
         "depth_share": doc.view.depth_share,
         "up": list(up),
         "up_origin": _up_origin(doc),
+        "up_off_deg": _up_off_deg(doc),
+        "up_is_sure": _up_is_sure(doc),
         "tilt_deg": tilt,
         "roll_deg": roll,
         "lifts": _lifts(app_state, doc),
@@ -116,7 +119,45 @@ def _lifts(app_state: AppState, doc: Session) -> Json:
 def _up_origin(doc: Session) -> str:
     if doc.world.up_world is None:
         return "camera"
-    return "feet" if doc.world.up_from_feet else "drawn"
+    if doc.has_up_of_hand:
+        return "drawn"
+    return "feet" if doc.world.up_from[0] == "feet" else "found"
+
+
+def _up_off_deg(doc: Session) -> float | None:
+    """What is said as ± of what was found; None of what somebody set."""
+    sigma_rad = doc.world.up_sigma_rad
+    return None if sigma_rad is None else round(off_deg(sigma_rad), 1)
+
+
+def _up_is_sure(doc: Session) -> bool:
+    """Return whether somebody set it, or it is known well enough to need no horizon."""
+    off = _up_off_deg(doc)
+    return doc.has_up_of_hand or (off is not None and off <= SURE_DEG)
+
+
+def found_up(app_state: AppState) -> Json:
+    """Return what was found of up, until something else is edited: the upright lines in the
+    picture, and where ways disagree what each shows, to choose from."""
+    found = app_state.up
+    if found is None or found.estimate is None:
+        return None
+    estimate = found.estimate
+    rivals = [estimate.used[0], *(one.evidence for one in estimate.apart)] if estimate.apart else []
+    return {
+        "words": up_words(estimate),
+        "lines": [] if found.lines is None else found.lines.ends.round(1).tolist(),
+        "choices": [
+            {
+                "label": choice_words(one),
+                "source": one.source,
+                "up": one.up.tolist(),
+                "sigma_deg": round(min(math.degrees(one.sigma_rad), 180.0), 3),
+            }
+            for one in rivals
+            if one.source != "set"
+        ],
+    }
 
 
 def image_version(app_state: AppState) -> str:

@@ -18,7 +18,7 @@ from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.jobs.find_camera import with_found
-from keypose.app.jobs.find_up import FindUp
+from keypose.app.jobs.find_up import FindUp, FoundUp
 from keypose.app.posing import opening_pose
 from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
@@ -33,10 +33,11 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.storage.camera_motion import FoundCamera
 from keypose.tracker.storage.fingerprints import segment_keys, steady_camera
-from keypose.tracker.video.upright_lines import UprightLines
+from keypose.tracker.storage.up import estimated_up
 from tests.app.editor.desk import after
 from tests.tracker import panned_cases as panned
 from tests.tracker import session_cases as cases
+from tests.tracker.storage.standing_cases import lines as upright
 
 UP = (0.0, -1.0, 0.0)
 
@@ -351,9 +352,11 @@ def test_upright_lines_of_any_frame_say_the_same() -> None:
     up = exp_rotation(np.radians([14.0, 0.0, 4.0])) @ UP
     for frame in (0, 13, 23):
         state = desk(panned.panned(), frame)
-        lines = UprightLines(T_camera_world(state.doc, frame)[:3, :3] @ up, 0.8)
-        found, _ = FindUp(b"", "", "", frame).apply(lines, AppState(edit=state))
-        np.testing.assert_allclose(found.editing.doc.world.up_world, up, atol=1e-5)
+        R = T_camera_world(state.doc, frame)[:3, :3]
+        seen = upright(R @ up)
+        estimate = estimated_up(state.doc.with_up(None), {}, seen, R.T)
+        found, _ = FindUp(b"", "", "", frame).apply(FoundUp(estimate), AppState(edit=state))
+        np.testing.assert_allclose(found.editing.doc.world.up_world, up, atol=2e-2)
 
 
 def in_world(doc: Session, frame: int, skeleton: Skeleton = cases.SKELETON) -> np.ndarray:

@@ -11,24 +11,28 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.drafted import has_drafts_for_other_up
-from keypose.app.jobs.find_up import FindUp
+from keypose.app.jobs.find_up import FindUp, FoundUp
 from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.jobs.track import Track
 from keypose.app.store import runner
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.geometry.up import UpEvidence, combined
+from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.space import solved
-from keypose.tracker.storage.standing import stand
+from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.video.upright_lines import UprightLines
 from tests.app.store.test_fitter import Worker
 from tests.scenes import StoreDesk, at_desk, sample
 from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, walk, wandering
+from tests.tracker.storage.standing_cases import lines as upright
 
 LAST = 60
 KEYPOINTS = KeypointFile(file="keypoints-0123456789ab.npz", source="BlazePose", network="0")
@@ -88,6 +92,11 @@ class Desk(StoreDesk):
         return Worker.newest.fits[-1]
 
 
+def standing(doc: Session, at: Desk) -> tuple[Standing, UprightLines]:
+    """What standing finds, with lines that show what is up."""
+    return stand(doc, at.order.fitting, upright(UP)), upright(UP)
+
+
 @pytest.fixture
 async def at(path: Path) -> AsyncIterator[Desk]:
     async with at_desk(path, Desk) as desk:
@@ -99,8 +108,7 @@ async def test_standing_is_one_step_that_undo_takes_back_whole(at: Desk) -> None
     before = at.doc
     at.do({"do": "stand"})
     assert isinstance(at.order, StandOnFloor)
-    done = stand(before, at.order.fitting, UprightLines(UP, 0.6))
-    Worker.newest.end(done)
+    Worker.newest.end(standing(before, at))
     doc = at.doc
     assert doc.subject.pins
     assert all(pin.floor for pin in doc.subject.pins)
@@ -119,7 +127,7 @@ async def test_what_stands_is_there_when_the_session_is_opened_again_and_so_is_i
         at.track()
         before = at.doc
         at.do({"do": "stand"})
-        Worker.newest.end(stand(before, at.order.fitting, UprightLines(UP, 0.6)))
+        Worker.newest.end(standing(before, at))
         stood = at.doc
     async with at_desk(path, Desk) as at:
         assert at.doc == stood
@@ -135,7 +143,7 @@ async def test_standing_again_changes_no_pin(at: Desk) -> None:
     at.track()
     for _ in range(2):
         at.do({"do": "stand"})
-        Worker.newest.end(stand(at.doc, at.order.fitting, UprightLines(UP, 0.6)))
+        Worker.newest.end(standing(at.doc, at))
     pins = at.doc.subject.pins
     at.do({"do": "undo"})
     assert at.doc.subject.pins == pins
@@ -145,7 +153,7 @@ async def test_soft_keyframes_are_the_same_after_it_so_that_drafts_learn_nothing
     at.track()
     at.do({"do": "stand"})
     before = at.doc
-    Worker.newest.end(stand(before, at.order.fitting, UprightLines(UP, 0.6)))
+    Worker.newest.end(standing(before, at))
     for one, other in zip(before.subject.keyframes, at.doc.subject.keyframes, strict=True):
         assert one.rotations_wxyz is other.rotations_wxyz
 
@@ -162,7 +170,7 @@ async def test_how_soles_lie_is_shown_beside_the_floor(at: Desk) -> None:
     at.track()
     assert at.section("floor")["soles"] == ""
     at.do({"do": "stand"})
-    Worker.newest.end(stand(at.doc, at.order.fitting, UprightLines(UP, 0.6)))
+    Worker.newest.end(standing(at.doc, at))
     results = at.edit.results
     for stretch in results.unsolved(at.doc):
         results = results.with_space(solved(at.doc, stretch))
@@ -172,15 +180,68 @@ async def test_how_soles_lie_is_shown_beside_the_floor(at: Desk) -> None:
     assert float(words.split()[2]) == abs(at.section("floor")["soles_off_cm"]) < 1.5
 
 
-async def test_upright_lines_set_what_is_up_or_say_that_there_are_too_few(at: Desk) -> None:
+def lines(up: Array, *others: UpEvidence) -> FoundUp:
+    """What was found in the film, with what disagrees."""
+    seen = replace(upright(up), ends=np.array([[(9.0, 1.0), (9.0, 90.0)]]))
+    return FoundUp(combined((seen.evidence, *others)), seen)
+
+
+async def test_what_is_up_is_found_or_it_is_said_that_nothing_shows_it(at: Desk) -> None:
     at.do({"do": "find_up"})
     assert isinstance(at.order, FindUp)
-    Worker.newest.end(None)
+    Worker.newest.end(FoundUp(None))
     assert at.doc.world.up_world is None
+    assert at.section("up") is None
     at.do({"do": "find_up"})
-    Worker.newest.end(UprightLines(UP, 0.7))
+    Worker.newest.end(lines(UP))
     np.testing.assert_allclose(at.doc.world.up_world, UP, atol=1e-5)
-    assert at.section("camera")["up_origin"] == "drawn"
+    assert at.section("camera")["up_origin"] == "found"
+    assert at.edit.history.past[-1].label == "find the up direction"
+    at.do({"do": "undo"})
+    assert at.doc.world.up_world is None
+    assert at.section("camera")["up_off_deg"] is None
+
+
+@pytest.mark.parametrize("goes", ["level_camera", "close_up", "undo"])
+async def test_the_lines_are_shown_until_the_next_edit_or_until_they_are_read(
+    at: Desk, goes: str
+) -> None:
+    at.do({"do": "find_up"})
+    Worker.newest.end(lines(UP))
+    assert at.section("up")["lines"] == [[[9.0, 1.0], [9.0, 90.0]]]
+    at.do({"do": goes})
+    assert at.section("up") is None
+
+
+@pytest.mark.parametrize(("sigma_deg", "is_sure"), [(0.9, True), (1.2, False)])
+async def test_up_counts_as_sure_only_where_twice_its_deviation_is_within_two_degrees(
+    at: Desk, sigma_deg: float, is_sure: bool
+) -> None:
+    assert not at.section("camera")["up_is_sure"]
+    at.do({"do": "find_up"})
+    evidence = UpEvidence.of(UP, np.radians(sigma_deg), "lines")
+    Worker.newest.end(FoundUp(combined((evidence,))))
+    assert at.section("camera")["up_off_deg"] == pytest.approx(2 * sigma_deg)
+    assert at.section("camera")["up_is_sure"] == is_sure
+    at.do({"do": "level_camera"})
+    assert at.section("camera")["up_is_sure"]
+
+
+async def test_where_ways_disagree_either_can_be_taken_in_one_step(at: Desk) -> None:
+    stands = exp_rotation(np.array([np.radians(12.0), 0.0, 0.0])) @ UP
+    at.do({"do": "find_up"})
+    Worker.newest.end(lines(UP, UpEvidence.of(stands, np.radians(1.5), "person")))
+    asked = at.section("up")
+    assert "Upright lines say the camera looks down by 10° ± 1°, how the " in asked["words"]
+    assert [each["source"] for each in asked["choices"]] == ["lines", "person"]
+    before = at.doc
+    taken = {name: asked["choices"][1][name] for name in ("up", "sigma_deg", "source")}
+    at.do({"do": "take_up", **taken})
+    np.testing.assert_allclose(at.doc.world.up_world, stands, atol=1e-5)
+    assert at.doc.world.up_from == ("person",)
+    assert at.section("up") is None
+    at.do({"do": "undo"})
+    assert at.doc == before
 
 
 async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_posed(

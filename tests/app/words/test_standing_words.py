@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from keypose.app.words.standing import standing_words
+from keypose.tracker.geometry.up import Disagreement, UpEvidence, up_of_one
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
 from keypose.tracker.storage.standing import Standing
@@ -17,8 +18,11 @@ from tests.tracker import session_cases as cases
 FOOT = Pin(part="right_foot", first_frame=46, last_frame=61)
 SEEN = Harm(FOOT, "picture", 9.3, 1.16, "right_foot", 60)
 BENT = Harm(FOOT, "knee", float(np.radians(11.0)), 1.1, "right_shin", 50)
+LEVEL = (0.0, -1.0, 0.0)
+SET = up_of_one(UpEvidence.of(np.array(LEVEL), np.radians(1.0), "set"))
+STEEP = UpEvidence.of(np.array([0.0, -0.98, -0.199]), np.radians(1.0), "lines")
 PLAIN = Standing(
-    session=cases.session(), taken=3, on_floor=4, softened=(0,), raised=(), up_from="known",
+    session=cases.session().with_up(LEVEL), taken=3, on_floor=4, softened=(0,), raised=(), up=SET,
     released=(), harms=(replace(SEEN, amount=2.2, share=0.3),), hanging=(), tilted_rad=0.0,
     unscaled=(),
 )  # fmt: skip
@@ -41,6 +45,11 @@ SAID: dict[str, tuple[dict[str, Any], str]] = {
     "higher": ({"raised": (FOOT,)}, "Right foot, frames 46–61, stands higher and was left there."),
     "tilted": (
         {"tilted_rad": np.radians(2.1)}, "Up was turned by 2°, to where feet stand level."
+    ),
+    "not as set": (
+        {"up": replace(SET, apart=(Disagreement(STEEP, 8.0),))},
+        "The up direction that is set says the camera looks down by 0° ± 2°, upright lines say "
+        "11° ± 2°. Check the horizon.",
     ),
     "no scale": (
         {"unscaled": ((45, 90),)},

@@ -88,3 +88,18 @@ def test_fields_that_are_not_known_survive_wherever_they_stand(tmp_path: Path) -
     save_session(session.changed({"up_world": (0.0, -1.0, 0.0)}), path)
     data["world"]["up_world"] = [0.0, -1.0, 0.0]
     assert json.loads(path.read_bytes()) == data
+
+
+@pytest.mark.parametrize(("was", "becomes"), [(True, ("feet",)), (False, ())])
+def test_up_that_was_found_from_pinned_feet_is_still_known_to_be(
+    tmp_path: Path, was: bool, becomes: tuple[str, ...]
+) -> None:
+    path = tmp_path / "session.json"
+    save_session(cases.session(), path)
+    data = json.loads(path.read_bytes())
+    data["world"] = {"up_world": [0.0, -1.0, 0.0], "up_from_feet": was}
+    path.write_text(json.dumps(data))
+    session = load_session(path)
+    assert session.world.up_from == becomes
+    save_session(session, path)
+    assert "up_from_feet" not in json.loads(path.read_bytes())["world"]

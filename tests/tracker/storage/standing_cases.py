@@ -11,12 +11,14 @@ from scipy.spatial.transform import Rotation
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import UpEvidence
 from keypose.tracker.session import Session
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.results import Results, segment_key
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult
+from keypose.tracker.video.upright_lines import UprightLines
 from tests.rendering.scenes import Scene, scene
 from tests.tracker import session_cases as cases
 
@@ -32,6 +34,11 @@ def walk(tilt_deg: float = TILT_DEG) -> tuple[Scene, Array]:
     middle = ps.mean(axis=0)
     Rs[:, 0], ps = R @ Rs[:, 0], (ps - middle) @ R.T + middle
     return replace(shown, truth=Trajectory(0, Rs, ps)), R @ [0.0, -1.0, 0.0]
+
+
+def lines(up: Array, share: float = 0.6, sigma_deg: float = 0.5) -> UprightLines:
+    """Upright lines of a film that show what is up."""
+    return UprightLines(UpEvidence.of(up, np.radians(sigma_deg), "lines"), share)
 
 
 def wandering(motion: Trajectory, most_m: float = 0.06) -> Trajectory:

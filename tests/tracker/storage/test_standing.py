@@ -13,7 +13,9 @@ from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session import Session
+from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import Results
@@ -25,6 +27,7 @@ from keypose.tracker.storage.kept_pins import without_harm
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.storage.stretches import stretches
+from keypose.tracker.storage.up import estimated_up
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 from tests.tracker.storage.standing_cases import (
@@ -34,6 +37,7 @@ from tests.tracker.storage.standing_cases import (
     walk,
     wandering,
 )
+from tests.tracker.storage.standing_cases import lines as upright
 
 SHOWN, UP = walk()
 JOINTS = [
@@ -102,15 +106,43 @@ def test_pins_that_are_there_stay_and_come_onto_the_floor() -> None:
     assert not any(other.overlaps(pin) for other in done.session.subject.pins[1:])
 
 
-def test_what_is_up_is_what_was_set_or_else_what_lines_say_or_else_the_feet() -> None:
-    assert stood(known()).up_from == "known"
-    lines = stood(session(), UprightLines(UP, 0.7))
-    assert lines.up_from == "lines"
-    np.testing.assert_allclose(lines.session.world.up_world, UP, atol=5e-3)
-    feet = stood(session())
-    assert feet.up_from == "feet"
-    assert feet.session.world.up_from_feet
-    assert np.degrees(np.arccos(np.array(feet.session.world.up_world) @ UP)) < 5
+def test_up_is_what_was_set_or_else_what_all_that_shows_it_agrees_on() -> None:
+    assert stood(known()).up.sources == ("set",)
+    both = stood(session(), upright(UP))
+    assert both.up.sources[0] == "lines"
+    assert both.session.world.up_from == both.up.sources
+    np.testing.assert_allclose(both.session.world.up_world, UP, atol=1.5e-2)
+    alone = stood(session())
+    assert set(alone.up.sources) <= {"person", "feet"}
+    assert not alone.up.apart
+    off = np.arccos(np.array(alone.session.world.up_world) @ UP)
+    assert off < 2 * alone.up.sigma_rad
+    assert both.up.sigma_rad < alone.up.sigma_rad
+
+
+def test_up_that_was_found_is_found_anew_and_what_was_set_stays() -> None:
+    once = stood(session(), upright(UP))
+    again = stood(once.session, upright(UP))
+    np.testing.assert_allclose(again.up.up, once.up.up, atol=2e-3)
+    assert stood(known(), upright(-UP @ np.diag([1, 1, -1]))).up.up == pytest.approx(UP, abs=1e-6)
+
+
+@pytest.mark.parametrize("turned_deg", [0.0, 15.0])
+def test_lines_that_are_far_from_what_was_set_are_named_and_change_nothing(
+    turned_deg: float,
+) -> None:
+    other = exp_rotation(np.array([np.radians(turned_deg), 0.0, 0.0])) @ UP
+    done = stood(known(), upright(other))
+    assert done.session.has_up_of_hand
+    named = [one.evidence.source for one in done.up.apart]
+    assert named == (["lines"] if turned_deg else [])
+
+
+def test_drafts_that_were_balanced_for_an_up_do_not_bear_it_out() -> None:
+    drafted = Drafted(first_frame=0, last_frame=90, up_camera=tuple(UP.tolist()))
+    found = estimated_up(session(drafted=drafted), {(0, 90): MOTION}, upright(UP))
+    assert found is not None
+    assert "person" not in [one.source for one in found.used]
 
 
 def test_a_hand_on_the_floor_stays_there_and_is_no_sole() -> None:

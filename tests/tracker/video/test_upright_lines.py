@@ -65,8 +65,9 @@ def test_its_deviation_covers_the_truth_by_a_lens_that_is_known_or_is_not(
     wrong = CAMERA.model_copy(update={"fx": 500.0 * (1 + spread), "fy": 500.0 * (1 + spread)})
     found = up_from_lines([picture(up, slanted=6)], wrong, spread)
     assert found is not None
-    assert angle_deg(found.up_camera, up) < 2 * np.degrees(found.sigma_rad)
-    assert np.degrees(found.sigma_rad) < 1 + 1.5 * spread * abs(tilt)
+    sigma_deg = np.degrees(found.evidence.sigma_rad)
+    assert angle_deg(found.up_camera, up) < 2 * sigma_deg
+    assert sigma_deg < 1.5 + 1.5 * spread * abs(tilt)
 
 
 def test_a_lens_that_bends_lines_is_allowed_for() -> None:

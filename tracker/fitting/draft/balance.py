@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from keypose.tracker.body.balance import MASSES, centre_of_mass, support
 from keypose.tracker.fitting.draft.first_poses import landmark_axes
 from keypose.tracker.fitting.draft.observed import SIDES, Observed, place_of, unit
 from keypose.tracker.geometry.camera import Camera
@@ -22,12 +23,7 @@ LOWEST_M: Final = 0.4
 """Whoever has their middle nearer to the floor does not stand."""
 STANDING: Final = 0.5
 """Share of the frames in which a person has to stand."""
-SOLE_M: Final = 0.05
-"""How much higher than the other a foot carries a third as much."""
 MOST_RAD: Final = np.radians(20.0)
-MASSES: Final = {"shoulder": 0.406, "elbow": 0.1, "hip": 0.284, "knee": 0.15, "ankle": 0.06}
-"""Of a body as shares at its joints: trunk and head between shoulders and hips, then arms, thighs
-and shins (Winter, Biomechanics and Motor Control of Human Movement)."""
 
 
 def balanced(observed: Observed, camera: Camera, up_camera: Array) -> Observed:
@@ -57,25 +53,12 @@ def _leans(observed: Observed, camera: Camera, up_camera: Array) -> tuple[Array,
         up = landmark_axes(camera, observed.uv[n], observed.known[n]).T @ ups[n]
         axis = unit(np.cross(up, (0.0, 0.0, 1.0)))
         axes[n] = axis
-        middle, feet = _middle(p), _support(p, up)
+        middle = centre_of_mass({joint: p[_both(joint)] for joint in MASSES})
+        feet = support(p[_both("ankle")], up)
         high = float((middle - feet) @ up)
         if high > LOWEST_M:
             leans[n] = np.arctan2((middle - feet) @ np.cross(axis, up), high)
     return leans, axes
-
-
-def _middle(p: Array) -> Array:
-    """(3,) the centre of mass of a person with joints p (12, 3)."""
-    parts = [mass * p[_both(joint)].mean(axis=0) for joint, mass in MASSES.items()]
-    return np.asarray(np.sum(parts, axis=0))
-
-
-def _support(p: Array, up: Array) -> Array:
-    """(3,) between the ankles, nearer to the lower one."""
-    ankles = p[_both("ankle")]
-    high = ankles @ up
-    weight = np.exp(-(high - high.min()) / SOLE_M)
-    return np.asarray(weight @ ankles / weight.sum())
 
 
 def _both(joint: str) -> list[int]:

@@ -1,0 +1,121 @@
+"""Word what is up, how sure that is, what it rests on, and where ways of finding it disagree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from keypose.app.posing.placing import tilt_and_roll
+from keypose.tracker.errors import listed
+
+if TYPE_CHECKING:
+    from keypose.tracker.geometry.rotations import Array
+    from keypose.tracker.geometry.up import UpEstimate, UpEvidence, UpSource
+
+SIGMAS_SAID: Final = 2.0
+"""Standard deviations that are said as ±: nine in ten are off by no more."""
+SURE_DEG: Final = 2.0
+"""A camera whose tilt is known to that needs no horizon."""
+MOST_SAID_DEG: Final = 45
+"""A ± that is larger says nothing."""
+
+SOURCES: Final[Mapping[UpSource, str]] = {
+    "lines": "upright lines",
+    "person": "how the person stands",
+    "feet": "where the feet stand",
+    "level": "that cameras are held level",
+    "set": "the up direction that is set",
+}
+_SAY: Final = {"lines": "say", "set": "says"}
+"""After a source; "says" after all others."""
+
+
+def up_words(found: UpEstimate) -> str:
+    """Such as "The camera looks down by 3° ± 2°, by upright lines."; what disagrees, and where that
+    is much, what makes it surer."""
+    words = [f"{camera_words(found.up.tolist())}{off_words(found.sigma_rad)}, by {_by(found)}."]
+    words += [apart_words(found)] if found.apart else []
+    if not found.apart and off_deg(found.sigma_rad) > SURE_DEG:
+        words.append("Draw the horizon to be surer.")
+    return " ".join(words)
+
+
+def apart_words(found: UpEstimate) -> str:
+    """Such as "Upright lines say the camera looks down by 3° ± 2°, how the person stands says 12° ±
+    3°."; empty where all agree."""
+    if not found.apart:
+        return ""
+    used, worst = found.used[0], max(found.apart, key=lambda one: one.sigmas).evidence
+    axis = _axis_apart(used.up, worst.up)
+    says = f"{SOURCES[worst.source]} {_SAY.get(worst.source, 'says')}"
+    (looks, deg), (other_looks, other_deg) = (_angle(each.up, axis) for each in (used, worst))
+    first = f"{SOURCES[used.source]} {_SAY.get(used.source, 'says')} the camera {looks} by {deg}°"
+    other = f"{other_deg}°" if looks == other_looks else f"it {other_looks} by {other_deg}°"
+    return (
+        f"{first[0].upper()}{first[1:]}{off_words(used.sigma_along(AXES[axis]))}, {says} {other}"
+        f"{off_words(worst.sigma_along(AXES[axis]))}."
+    )
+
+
+def choice_words(evidence: UpEvidence) -> str:
+    """Such as "Take upright lines"."""
+    return f"Take {SOURCES[evidence.source]}"
+
+
+def unsure_words(found: UpEstimate) -> str:
+    """What was found and not taken."""
+    return (
+        f"Upright lines show the camera's tilt{off_words(found.sigma_rad) or ' hardly'} only, and "
+        "were not used."
+    )
+
+
+def nothing_words() -> str:
+    """Where nothing shows what is up."""
+    return (
+        "Nothing shows the up direction: too few upright lines agree. Draw the horizon, or two "
+        "verticals."
+    )
+
+
+def camera_words(up_camera: Sequence[float]) -> str:
+    """Such as "The camera looks down by 12°"."""
+    tilt, _ = tilt_and_roll(up_camera)
+    deg = round(abs(tilt))
+    if not deg:
+        return "The camera is level"
+    return f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
+
+
+def off_deg(sigma_rad: float) -> float:
+    """What is said as ±, degrees."""
+    return float(np.degrees(SIGMAS_SAID * sigma_rad))
+
+
+def off_words(sigma_rad: float) -> str:
+    """Such as " ± 2°"; empty where it says nothing."""
+    off = max(1, round(off_deg(sigma_rad)))
+    return f" ± {off}°" if off <= MOST_SAID_DEG else ""
+
+
+def _by(found: UpEstimate) -> str:
+    return listed([SOURCES[source] for source in found.sources])
+
+
+AXES: Final = {"tilt": np.array([0.0, 0.0, 1.0]), "roll": np.array([1.0, 0.0, 0.0])}
+"""Along which up moves with a camera's tilt and with its roll."""
+
+
+def _axis_apart(one: Array, other: Array) -> str:
+    off = np.abs(one - other)
+    return "roll" if off[0] > off[2] else "tilt"
+
+
+def _angle(up_camera: Array, axis: str) -> tuple[str, int]:
+    """Which way a camera looks or leans, and by how many degrees."""
+    tilt, roll = tilt_and_roll(up_camera)
+    if axis == "roll":
+        return f"leans {'left' if roll > 0 else 'right'}", round(abs(roll))
+    return f"looks {'up' if tilt > 0 else 'down'}", round(abs(tilt))

@@ -1,0 +1,53 @@
+"""What is up is said with its figure and its doubt, and both ways where they disagree."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from keypose.app.words.up import up_words
+from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.up import UpEvidence, UpSource, combined
+
+
+def evidence(tilt: float, roll: float, sigma_deg: float, source: UpSource) -> UpEvidence:
+    turn = exp_rotation(np.radians([tilt, 0.0, roll]))
+    return UpEvidence.of(turn @ [0.0, -1.0, 0.0], np.radians(sigma_deg), source)
+
+
+SAID = {
+    "sure": (
+        [evidence(3, 0, 0.9, "lines")], "The camera looks down by 3° ± 2°, by upright lines."
+    ),
+    "less sure": (
+        [evidence(-3, 0, 3.0, "person")],
+        "The camera looks up by 3° ± 6°, by how the person stands. Draw the horizon to be surer.",
+    ),
+    "two that agree": (
+        [evidence(3, 0, 1.0, "lines"), evidence(4, 0, 2.0, "feet")],
+        "The camera looks down by 3° ± 2°, by upright lines and where the feet stand.",
+    ),
+    "two that disagree": (
+        [evidence(3, 0, 1.0, "lines"), evidence(12, 0, 1.5, "person")],
+        "The camera looks down by 3° ± 2°, by upright lines. Upright lines say the camera looks "
+        "down by 3° ± 2°, how the person stands says 12° ± 3°.",
+    ),
+    "the other way": (
+        [evidence(3, 0, 1.0, "lines"), evidence(-12, 0, 1.5, "person")],
+        "The camera looks down by 3° ± 2°, by upright lines. Upright lines say the camera looks "
+        "down by 3° ± 2°, how the person stands says it looks up by 12° ± 3°.",
+    ),
+    "in roll": (
+        [evidence(3, 15, 1.0, "lines"), evidence(3, 0, 1.5, "person")],
+        "The camera looks down by 3° ± 2°, by upright lines. Upright lines say the camera leans "
+        "left by 15° ± 2°, how the person stands says it leans right by 0° ± 3°.",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SAID)
+def test_it_says_what_it_rests_on_how_sure_it_is_and_what_disagrees(case: str) -> None:
+    sources, words = SAID[case]
+    found = combined(sources)
+    assert found is not None
+    assert up_words(found) == words

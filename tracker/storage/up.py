@@ -1,0 +1,97 @@
+"""Estimate what is up in a session, by all that its film and its motion show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.up import (
+    MOST_APART,
+    Disagreement,
+    UpEstimate,
+    UpEvidence,
+    apart_by,
+    combined,
+)
+from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
+from keypose.tracker.session.schema import Session
+from keypose.tracker.space.level import HELD_LEVEL, evidence_of_standing
+from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.space import stances, up_of
+from keypose.tracker.storage.stretches import stretches
+from keypose.tracker.tracking.result import SegmentResult
+from keypose.tracker.video.upright_lines import UprightLines
+
+SET_RAD: Final = np.radians(1.0)
+"""Of up that somebody set: a horizon is drawn to a few pixels, if it is seen."""
+
+
+def estimated_up(
+    session: Session,
+    motions: Mapping[Span, Trajectory],
+    lines: UprightLines | None = None,
+    R_world_camera: Array | None = None,
+) -> UpEstimate | None:
+    """Up in the world by all sources that agree, and those that disagree; what somebody set stays
+    as it is. None where nothing shows it.
+
+    motions: as tracked, in the world.  lines: of the film, where it was looked for them.
+    R_world_camera: (3, 3) of the camera that sees them; left out where it is the world.
+    """
+    seen = () if lines is None else (lines.evidence.turned(R_world_camera),)
+    evidence = (*seen, *_of_motion(session, motions))
+    if not session.has_up_of_hand:
+        return combined(evidence, HELD_LEVEL)
+    known = UpEvidence.of(up_of(session), SET_RAD, "set")
+    off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
+    apart = tuple(one for one in off if one.sigmas >= MOST_APART)
+    return UpEstimate(known.up, known.precision, (known,), apart)
+
+
+def _of_motion(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[UpEvidence, ...]:
+    """What the longest motion shows. How a person stands shows nothing where drafts were balanced
+    over their feet for an up that was known: it would only repeat that."""
+    if not motions:
+        return ()
+    longest = max(motions.values(), key=len)
+    found = evidence_of_standing(
+        Skeleton.of(session.subject.body), longest, _soles(session, longest), lens_spread(session)
+    )
+    drafted = session.subject.drafted
+    is_balanced = drafted is not None and drafted.up_camera is not None
+    return tuple(one for one in found if one.source != "person" or not is_balanced)
+
+
+def _soles(session: Session, motion: Trajectory) -> list[Pin]:
+    """Feet that stand whole within a motion: those that are pinned, and others that seem to."""
+    body = session.subject.body
+    span = motion.first_frame, motion.last_frame
+    pinned = [
+        pin
+        for pin in pins_within(session.subject.pins, span)
+        if sole_of(body.parts[body.index(pin.part)]) and pin.landmarks[1:]
+    ]
+    proposed = [
+        pin
+        for pin in stances(session, motion, None)
+        if pin.landmarks[1:] and not any(pin.overlaps(known) for known in pinned)
+    ]
+    return list(pins_apart([*pinned, *proposed]))
+
+
+def motions_of(session: Session, fitting: Mapping[Span, SegmentResult]) -> dict[Span, Trajectory]:
+    """What was tracked, by stretches, in the world."""
+    return {
+        run.span: session.in_world(joined([segment.trajectory for segment in run.segments]))
+        for run in stretches(session, fitting)
+    }
+
+
+def lens_spread(session: Session) -> float:
+    """The standard deviation of the focal length as a share of it: usual lenses lie within two."""
+    return (session.view.depth_share or 0.0) / 2
