@@ -36,11 +36,12 @@ export function liftWords() {
   return `${posed} that nobody posed ${drafts + keyframes === 1 ? 'changes' : 'change'}${tracked}`;
 }
 
-/** Such as "Looks down by 12°, leans 2° to the right". */
+/** Such as "Looks down by 12° ± 2°, leans 2° to the right". */
 export function tiltWords() {
-  const { tilt_deg: tilt, roll_deg: roll } = server.camera;
+  const { tilt_deg: tilt, roll_deg: roll, up_off_deg: off } = server.camera;
   const [down, aside] = [Math.round(Math.abs(tilt)), Math.round(Math.abs(roll))];
-  const looks = down ? `Looks ${tilt < 0 ? 'down' : 'up'} by ${down}°` : 'Looks straight ahead';
+  const by = off == null ? '' : ` ± ${Math.max(1, Math.round(off))}°`;
+  const looks = down ? `Looks ${tilt < 0 ? 'down' : 'up'} by ${down}°${by}` : `Looks straight ahead${by}`;
   return aside ? `${looks}, leans ${aside}° to the ${roll > 0 ? 'left' : 'right'}` : looks;
 }
 

@@ -166,7 +166,7 @@ const IN_FILM = [
       { label: 'Two verticals', title: 'Drag along two walls, doors or poles', act: () => setUi('tool', 'vertical') },
       { label: 'Don’t know', title: 'The feet say it later, less surely', act: () => {}, ends: true },
     ],
-    next: () => (isUpKnown() || sought === server.file?.path ? null : { label: 'Find by upright lines', act: findUp }),
+    next: () => (isUpKnown() || sought === server.file?.path ? null : { label: 'Find it', act: findUp }),
     hints: [['Drag', 'the horizon']],
   },
   {
@@ -232,7 +232,8 @@ function findUp() {
 
 function upLine() {
   if (!isUpKnown()) return nothing;
-  return html`<div class="row filesays good">${icon('check')}<span><b>Camera</b> ${tiltWords()}</span></div>`;
+  const { up_is_sure: isSure } = server.camera;
+  return html`<div class="row filesays ${isSure ? 'good' : 'warned'}">${icon(isSure ? 'check' : 'warn')}<span><b>Camera</b> ${tiltWords()}</span></div>`;
 }
 
 /** It was found that the camera does not stand still. */

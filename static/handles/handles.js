@@ -15,7 +15,7 @@ import { prepareSketch, sketchKey } from './sketch.js';
 import { listenForMenuKey } from './viewmenu.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints', 'pins', 'joint_angle', 'background', 'people'];
+const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints', 'pins', 'joint_angle', 'background', 'people', 'up'];
 
 export function mount() {
   watchKeys();

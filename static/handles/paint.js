@@ -19,6 +19,7 @@ import { drawSizes } from './sizes.js';
 import { drawSketch } from './sketch.js';
 import { pathOf } from './space.js';
 import { isReady, targetsIn } from './targets.js';
+import { drawUprights } from './uprights.js';
 
 /** Draw the overlays of all views that are shown. */
 export function paint() {
@@ -37,6 +38,7 @@ function overlay(view) {
   const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${dragged} ${drawing} on-${view.name}`;
   return svg`<g class=${classes}>
     ${drawBackground(view)}
+    ${drawUprights(view)}
     ${drawMasks(view, targets.masks)}
     ${drawSoles(view)}
     ${drawTrail(view, targets.trail)}

@@ -17,17 +17,18 @@ import { server, setUi, ui } from '../store/state.js';
 import { drawingButton, fact, line, measure, section } from './section.js';
 
 export function upright() {
-  const { tilt_deg: tilt, roll_deg: roll, up_origin: origin } = server.camera;
+  const { tilt_deg: tilt, roll_deg: roll, up_origin: origin, up_off_deg: off, up_is_sure: isSure } = server.camera;
   return section(
     'Up direction',
     html`${line('Set by', dropdown({
       label: 'Up direction set by', value: origin, act: setBy,
-      options: [{ id: 'camera', label: 'Not known' }, { id: 'level', label: 'Level camera' }, { id: 'drawn', label: 'The picture' },
-        { id: 'feet', label: 'Pinned feet' }],
+      options: [{ id: 'camera', label: 'Not known' }, { id: 'level', label: 'Level camera' }, { id: 'drawn', label: 'By hand' },
+        { id: 'feet', label: 'Pinned feet' }, ...(origin === 'found' ? [{ id: 'found', label: 'Found' }] : [])],
       title: 'Which way is up in the top, side and front views',
     }))}
     ${fact('Tilt', `${shortNumber(tilt, 1)}°`, 'How far the camera looks down')}
     ${fact('Roll', `${shortNumber(roll, 1)}°`, 'How far the camera leans to one side')}
+    ${off == null ? nothing : html`<p class="note icons ${isSure ? 'good' : 'warned'}">${icon(isSure ? 'check' : 'warn')}<span>${doubtWords(off)}</span></p>`}
     ${actionButton('findUp', undefined, { name: undefined, kind: 'full' })}
     ${drawingButton('vertical', {
       name: 'mid', label: 'Draw verticals in the image', busy: 'Drag along something upright',
@@ -41,6 +42,12 @@ export function upright() {
   );
 }
 
+/** Such as "Known to ± 2°", or what makes it surer. @param {number} off */
+function doubtWords(off) {
+  const known = `Known to ± ${Math.max(1, Math.round(off))}°`;
+  return server.camera.up_is_sure ? known : `${known}. Draw the horizon to be surer`;
+}
+
 /** Drafts were found for another up direction than there is by now. */
 function lifted() {
   if (whyNotLift()) return nothing;
@@ -52,6 +59,7 @@ function setBy(id) {
   if (id === 'camera') send({ do: 'reset_up' });
   else if (id === 'level') send({ do: 'level_camera' });
   else if (id === 'feet') send({ do: 'up_from_feet' });
+  else if (id === 'found') perform('findUp');
   else setUi('tool', 'horizon');
 }
 

@@ -5,6 +5,7 @@ import { mountBanner, mountConnection } from './banner.js';
 import { mountExportDialog } from './export_dialog.js';
 import { mountImportDialog } from './import_dialog.js';
 import { mountFitCard } from './fit_card.js';
+import { mountUpCard } from './up_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
 import { mountKeys, mountSheet } from './keys.js';
@@ -32,6 +33,7 @@ export function mount() {
   mountReview();
   mountPeople();
   mountFitCard();
+  mountUpCard();
   mountSheet();
   mountSearch();
   mountChooser();

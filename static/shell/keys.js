@@ -15,6 +15,7 @@ import { closeMenu } from '../controls/menu.js';
 import { closeGuide, openGuide } from '../guide/guide.js';
 import { server, setUi, ui } from '../store/state.js';
 import { closeFit } from './fit_card.js';
+import { closeUp } from './up_card.js';
 import { cancelJob } from './job.js';
 
 const SYMBOL = /^[^\p{L}\s]$/u;
@@ -85,7 +86,7 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || cancelDraft() || discardSizes() || discardReduction() || clearSelection() || closeFit() || closeGuide() || closeReview() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || cancelDraft() || discardSizes() || discardReduction() || clearSelection() || closeFit() || closeUp() || closeGuide() || closeReview() || cancelJob();
 }
 
 /** The guide stays open while it waits for a draft. */

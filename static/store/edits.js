@@ -18,7 +18,7 @@ const ENDS = new Set(['end_stroke', 'cancel_stroke']);
 const NO_EDITS = new Set([
   ...Object.keys(LOOKS),
   ...ENDS,
-  ...['select', 'display', 'joint_angle', 'live', 'begin_guide', 'dismiss_pins', 'copy_pose', 'keep_pose', 'rename_pose', 'delete_pose', 'restore_pose', 'find_people', 'look_before', 'close_fit', 'preview_poses', 'discard_sizes', 'reduce', 'discard_reduction'],
+  ...['select', 'display', 'joint_angle', 'live', 'begin_guide', 'dismiss_pins', 'copy_pose', 'keep_pose', 'rename_pose', 'delete_pose', 'restore_pose', 'find_people', 'look_before', 'close_fit', 'close_up', 'preview_poses', 'discard_sizes', 'reduce', 'discard_reduction'],
   ...['open', 'close', 'cancel', 'save_again'],
   ...['rename_session', 'duplicate_session', 'delete_session', 'restore_session'],
 ]);

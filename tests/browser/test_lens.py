@@ -171,7 +171,7 @@ def test_the_guide_asks_how_the_camera_is_tilted_and_a_level_one_leads_on(page: 
     page.keyboard.press("Enter")
     until(lambda: title(page) == "How is the camera tilted?", "the next step")
     page.locator("#main .horizon").wait_for()
-    page.locator("#guide .foot .pri", has_text="Find by upright lines").wait_for()
+    page.locator("#guide .foot .pri", has_text="Find it").wait_for()
     page.locator("#guide").get_by_role("button", name="Level camera").click()
     until_state(page, "camera.up_origin", lambda origin: origin == "drawn")
     until(lambda: title(page) == "Choose the person", "the person")
@@ -210,7 +210,7 @@ def test_enter_waits_for_what_a_step_has_begun(page: Page) -> None:
 
 _JOB = """async () => {
   const { applySections } = await window.keypose.module('store/state.js');
-  applySections({ job: { state: '%s', title: 'Looking for upright lines', kind: 'fit' } });
+  applySections({ job: { state: '%s', title: 'Looking for what is up', kind: 'fit' } });
 }"""
 _AT_WORK, _AT_REST = _JOB % "running", _JOB % "idle"
 

@@ -81,8 +81,8 @@ export const TRACK = {
   },
   findUp: {
     also: 'horizon level tilt gravity vertical lines vanishing',
-    label: 'Find up by upright lines', icon: 'wand', off: whyNotFindUp,
-    title: 'Walls, doors, poles and trees in the picture show how the camera tilts',
+    label: 'Find the up direction', icon: 'wand', off: whyNotFindUp,
+    title: 'By upright lines in the picture, and where it is tracked by how the person stands and where',
     message: () => ({ do: 'find_up' }),
   },
   levelCamera: {
