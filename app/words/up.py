@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -16,8 +17,10 @@ if TYPE_CHECKING:
 
 SIGMAS_SAID: Final = 2.0
 """Standard deviations that are said as ±: nine in ten are off by no more."""
-SURE_DEG: Final = 2.0
+SURE_DEG: Final = 2
 """A camera whose tilt is known to that needs no horizon."""
+ROUNDING_DEG: Final = 0.05
+"""Of what is no more than a whole number."""
 MOST_SAID_DEG: Final = 45
 """A ± that is larger says nothing."""
 
@@ -33,13 +36,15 @@ _SAY: Final = {"lines": "say", "set": "says"}
 
 
 def up_words(found: UpEstimate) -> str:
-    """Such as "The camera looks down by 3° ± 2°, by upright lines."; what disagrees, and where that
-    is much, what makes it surer."""
-    words = [f"{camera_words(found.up.tolist())}{off_words(found.sigma_rad)}, by {_by(found)}."]
-    words += [apart_words(found)] if found.apart else []
-    if not found.apart and off_deg(found.sigma_rad) > SURE_DEG:
-        words.append("Draw the horizon to be surer.")
-    return " ".join(words)
+    """Such as "The camera looks down by 3° ± 2°, by upright lines."; where that is much, what makes
+    it surer; where ways disagree what both say, and which is used."""
+    if found.apart:
+        used = _by(found)
+        verb = "is" if len(found.sources) == 1 and found.sources[0] != "lines" else "are"
+        return f"{apart_words(found)} {used[0].upper()}{used[1:]} {verb} used."
+    words = f"{camera_words(found.up.tolist())}{off_words(found.sigma_rad)}, by {_by(found)}."
+    is_sure = off_deg(found.sigma_rad) <= SURE_DEG
+    return words if is_sure else f"{words} Draw the horizon to be surer."
 
 
 def apart_words(found: UpEstimate) -> str:
@@ -89,14 +94,14 @@ def camera_words(up_camera: Sequence[float]) -> str:
     return f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
 
 
-def off_deg(sigma_rad: float) -> float:
-    """What is said as ±, degrees."""
-    return float(np.degrees(SIGMAS_SAID * sigma_rad))
+def off_deg(sigma_rad: float) -> int:
+    """What is said as ±, whole degrees, never less than it is."""
+    return math.ceil(float(np.degrees(SIGMAS_SAID * sigma_rad)) - ROUNDING_DEG)
 
 
 def off_words(sigma_rad: float) -> str:
     """Such as " ± 2°"; empty where it says nothing."""
-    off = max(1, round(off_deg(sigma_rad)))
+    off = off_deg(sigma_rad)
     return f" ± {off}°" if off <= MOST_SAID_DEG else ""
 
 

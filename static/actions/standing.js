@@ -40,7 +40,7 @@ export function liftWords() {
 export function tiltWords() {
   const { tilt_deg: tilt, roll_deg: roll, up_off_deg: off } = server.camera;
   const [down, aside] = [Math.round(Math.abs(tilt)), Math.round(Math.abs(roll))];
-  const by = off == null ? '' : ` ± ${Math.max(1, Math.round(off))}°`;
+  const by = off == null ? '' : ` ± ${off}°`;
   const looks = down ? `Looks ${tilt < 0 ? 'down' : 'up'} by ${down}°${by}` : `Looks straight ahead${by}`;
   return aside ? `${looks}, leans ${aside}° to the ${roll > 0 ? 'left' : 'right'}` : looks;
 }

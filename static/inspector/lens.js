@@ -44,7 +44,7 @@ export function upright() {
 
 /** Such as "Known to ± 2°", or what makes it surer. @param {number} off */
 function doubtWords(off) {
-  const known = `Known to ± ${Math.max(1, Math.round(off))}°`;
+  const known = `Known to ± ${off}°`;
   return server.camera.up_is_sure ? known : `${known}. Draw the horizon to be surer`;
 }
 

@@ -21,7 +21,7 @@ from tests.browser.interaction import (
     until_counted,
     until_state,
 )
-from tests.browser.shared import admit, office, opened
+from tests.browser.shared import Desk, admit, office, opened
 
 FILM = ROOT / "sample_videos" / "person" / "person.mp4"
 TAGS = {
@@ -287,3 +287,27 @@ def test_of_a_thing_the_guide_leads_to_its_sizes_and_its_corners(page: Page) -> 
     until(lambda: page.evaluate("() => window.keypose.ui.tool") == "move", "its tool")
     page.keyboard.press("v")
     until_counted(page, "#main .box-corner", 4)
+
+
+_FOUND = """async () => {
+  const { applySections } = await window.keypose.module('store/state.js');
+  applySections({ up: { words: 'Upright lines say 3°, how the person stands says 12°.',
+    lines: [[[40, 20], [42, 90]], [[90, 20], [91, 80]]], choices: [
+    { label: 'Take upright lines', source: 'lines', up: [0, -0.99863, -0.05234], sigma_deg: 1 },
+    { label: 'Take how the person stands', source: 'person', sigma_deg: 1.5,
+      up: [0, -0.97815, -0.20791] },
+  ] } });
+}"""
+
+
+def test_lines_lie_on_the_picture_and_where_ways_disagree_either_is_taken(at: Desk) -> None:
+    page = at.page
+    page.evaluate(_FOUND)
+    until_counted(page, "#main .uprights path", 2)
+    drawn = str(page.locator("#main .uprights path").last.get_attribute("d"))
+    assert drawn.count("M") == 2
+    page.locator(".fitcard").get_by_role("button", name="Take how the person stands").click()
+    until_state(page, "camera.up_origin", lambda origin: origin == "found")
+    assert section(page, "camera.tilt_deg") == pytest.approx(-12, abs=0.01)
+    assert section(page, "camera.up_off_deg") == 3
+    assert not section(page, "camera.up_is_sure")

@@ -97,17 +97,17 @@ class Disagreement:
 
 @dataclass(frozen=True, eq=False)
 class UpEstimate(UnsureUp):
-    """Up by all sources that agree.  used: these.  apart: those that do not."""
+    """Up by all sources that agree.  used: these, the surest first.  apart: those that do not."""
 
     used: tuple[UpEvidence, ...]
     apart: tuple[Disagreement, ...] = ()
 
     @property
     def sources(self) -> tuple[UpSource, ...]:
-        """What it rests on: those that agree and weigh something, the heaviest first."""
+        """What it rests on: those that agree and weigh something."""
         whole = float(np.trace(self.precision))
         heavy = [one for one in self.used if np.trace(one.precision) > LEAST_SHARE * whole]
-        return tuple(one.source for one in sorted(heavy, key=lambda one: one.sigma_rad))
+        return tuple(one.source for one in heavy)
 
 
 def combined(evidence: Sequence[UpEvidence], prior: UpEvidence | None = None) -> UpEstimate | None:
@@ -131,7 +131,8 @@ def combined(evidence: Sequence[UpEvidence], prior: UpEvidence | None = None) ->
         for one in evidence
         if not any(one is each for each in used)
     ]
-    return UpEstimate(up, precision, tuple(used), tuple(apart))
+    surest = tuple(sorted(used, key=lambda one: one.sigma_rad))
+    return UpEstimate(up, precision, surest, tuple(apart))
 
 
 def up_of_one(evidence: UpEvidence, prior: UpEvidence | None = None) -> UpEstimate:

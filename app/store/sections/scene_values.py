@@ -124,10 +124,10 @@ def _up_origin(doc: Session) -> str:
     return "feet" if doc.world.up_from[0] == "feet" else "found"
 
 
-def _up_off_deg(doc: Session) -> float | None:
+def _up_off_deg(doc: Session) -> int | None:
     """What is said as ± of what was found; None of what somebody set."""
     sigma_rad = doc.world.up_sigma_rad
-    return None if sigma_rad is None else round(off_deg(sigma_rad), 1)
+    return None if sigma_rad is None else off_deg(sigma_rad)
 
 
 def _up_is_sure(doc: Session) -> bool:

@@ -29,18 +29,18 @@ SAID = {
     ),
     "two that disagree": (
         [evidence(3, 0, 1.0, "lines"), evidence(12, 0, 1.5, "person")],
-        "The camera looks down by 3° ± 2°, by upright lines. Upright lines say the camera looks "
-        "down by 3° ± 2°, how the person stands says 12° ± 3°.",
+        "Upright lines say the camera looks down by 3° ± 2°, how the person stands says 12° ± 3°. "
+        "Upright lines are used.",
     ),
     "the other way": (
         [evidence(3, 0, 1.0, "lines"), evidence(-12, 0, 1.5, "person")],
-        "The camera looks down by 3° ± 2°, by upright lines. Upright lines say the camera looks "
-        "down by 3° ± 2°, how the person stands says it looks up by 12° ± 3°.",
+        "Upright lines say the camera looks down by 3° ± 2°, how the person stands says it looks "
+        "up by 12° ± 3°. Upright lines are used.",
     ),
     "in roll": (
         [evidence(3, 15, 1.0, "lines"), evidence(3, 0, 1.5, "person")],
-        "The camera looks down by 3° ± 2°, by upright lines. Upright lines say the camera leans "
-        "left by 15° ± 2°, how the person stands says it leans right by 0° ± 3°.",
+        "Upright lines say the camera leans left by 15° ± 2°, how the person stands says it leans "
+        "right by 0° ± 3°. Upright lines are used.",
     ),
 }  # fmt: skip
 
