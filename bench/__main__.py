@@ -19,7 +19,8 @@ from bench.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "long",
-    "surface", "space", "standing", "markers", "angles", "camera", "panned", "mask", "evidence",
+    "surface", "space", "standing", "up", "markers", "angles", "camera", "panned", "mask",
+    "evidence",
     "drafts", "effort", "rigs", "install", "fuzz", "gains",
 )  # fmt: skip
 HOURS_LONG = ("gains",)

@@ -119,7 +119,7 @@ def _film(name: str, table: Table) -> None:
         path = Path(folder) / "session.json"
         _drafted(here, name, path)
         before = _loaded(path)
-        _run("stand", str(path))
+        run_quietly("stand", str(path))
         after = _loaded(path)
     pins = after.session.subject.pins
     assert after.session.world.up_world is not None
@@ -138,7 +138,7 @@ def _film(name: str, table: Table) -> None:
 def _drafted(here: Clip, name: str, path: Path) -> None:
     """Draft, accept and track, in a session at this path."""
     box, at, (first, last), view = FILMS[name]
-    _run(
+    run_quietly(
         "draft", str(here.video), "--box", ",".join(map(str, box)), "--frame", str(at),
         "--frames", f"{first}-{last}", "--field-of-view", str(view), "--body", here.body.name,
         "--out", str(path.parent),
@@ -153,10 +153,10 @@ def _drafted(here: Clip, name: str, path: Path) -> None:
     ]
     rest = [draft for draft in session.subject.drafts if draft.frame not in keys]
     save_session(with_drafts(with_keyframes(session, accepted), rest), path)
-    _run("track", str(path))
+    run_quietly("track", str(path))
 
 
-def _run(*words: str) -> None:
+def run_quietly(*words: str) -> None:
     """A command, without what it prints."""
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         main(words)

@@ -44,7 +44,7 @@ def estimated_up(
     R_world_camera: (3, 3) of the camera that sees them; left out where it is the world.
     """
     seen = () if lines is None else (lines.evidence.turned(R_world_camera),)
-    evidence = (*seen, *_of_motion(session, motions))
+    evidence = (*seen, *evidence_of_motion(session, motions))
     if not session.has_up_of_hand:
         return combined(evidence, HELD_LEVEL)
     known = UpEvidence.of(up_of(session), SET_RAD, "set")
@@ -53,7 +53,9 @@ def estimated_up(
     return UpEstimate(known.up, known.precision, (known,), apart)
 
 
-def _of_motion(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[UpEvidence, ...]:
+def evidence_of_motion(
+    session: Session, motions: Mapping[Span, Trajectory]
+) -> tuple[UpEvidence, ...]:
     """What the longest motion shows. How a person stands shows nothing where drafts were balanced
     over their feet for an up that was known: it would only repeat that."""
     if not motions:
