@@ -13,9 +13,10 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.editor.moving_camera import forgotten
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.render.studio import png
+from keypose.tracker.errors import CameraError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import require_absent, write_file
-from keypose.tracker.storage.camera_motion import FoundCamera, background_picture
+from keypose.tracker.storage.camera_motion import FoundCamera, background_picture, with_known_way
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 
 
@@ -28,14 +29,28 @@ def run(arguments: argparse.Namespace) -> int:
         session = load_session(path)
         if arguments.forget:
             found, after = None, forgotten(session)
+        elif arguments.went is not None and session.camera_path is not None:
+            found, after = None, _with_way(session, arguments.went)
         else:
             with share_reporter(arguments.json) as report:
                 found = find_saved(session, path, arguments.kind, report)
             after = with_found(session, found)
+            if arguments.went is not None:
+                after = _with_way(after, arguments.went)
         if not arguments.dry_run:
             save_session(after, path)
     _print(found, after, arguments)
     return 0
+
+
+def _with_way(session: Session, metres: float) -> Session:
+    """The session whose camera went so far from where it began."""
+    motion = session.view.camera_motion
+    if motion is not None and len(motion.pieces) > 1:
+        raise CameraError(
+            "The camera's path is in several pieces: set how far it went in each in the page."
+        )
+    return with_known_way(session, 0, metres)
 
 
 def _draw_background(arguments: argparse.Namespace) -> int:
@@ -54,7 +69,12 @@ def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namesp
     if arguments.json:
         print_json(_facts(found, arguments))
         return
-    print("The camera is as it was." if found is None else found_words(found))
+    if arguments.went is not None:
+        print(f"The camera's path has its scale: it went {arguments.went:g} m from where it began.")
+    elif found is None:
+        print("The camera is as it was.")
+    if found is not None:
+        print(found_words(found))
     if found is not None and found.focal is not None and found.lens is None:
         share, sigma = found.focal
         focal = after.view.camera.focal_mm

@@ -17,6 +17,7 @@ from keypose.app.export.motion_files import motion_files, sampling_words, saved_
 from keypose.app.export.motion_formats import require_meant
 from keypose.app.export.opensim_files import files_for_model
 from keypose.app.orders.motion import MotionOrder
+from keypose.app.words.camera import unscaled_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
@@ -57,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     print_written(places, arguments.json)
     note(for_model.words if for_model else None)
     note(sampling_words(recording, order, arguments.format))
+    note(unscaled_words(session))
     note(outdated_words(session, tracks))
     return 0
 

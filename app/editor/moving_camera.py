@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused, seen_as_before
@@ -27,6 +27,8 @@ from keypose.tracker.session.settings import FrameIndex
 if TYPE_CHECKING:
     from keypose.tracker.camera_motion.matches import Matched
 
+FARTHEST_M = 10_000.0
+"""Farther nobody carries a camera while a person is filmed."""
 CLICKED_PX = 2.0
 """How far points that are marked by hand usually lie off."""
 MOST_OFF_PX = 8.0
@@ -102,6 +104,26 @@ class CameraMatch(Edit):
         return rotation_from_matches(*marked, camera, zoom)
 
 
+class CameraFar(Edit):
+    """How far the camera went from where it was as a piece of its motion begins, as somebody
+    knows. first: the frame at which that is."""
+
+    do: Literal["camera_far"] = "camera_far"
+    verb = "set how far the camera went"
+    first: FrameIndex = 0
+    metres: Annotated[FiniteFloat, Field(gt=0, le=FARTHEST_M)]
+
+    def apply(self, state: EditorState) -> Session:
+        from keypose.tracker.storage.camera_motion import (  # loads what only this needs
+            with_known_way,
+        )
+
+        try:
+            return with_known_way(state.doc, self.first, self.metres)
+        except CameraError as error:
+            raise ActionRefused(str(error)) from None
+
+
 class DeleteCameraKey(Edit):
     """The camera at a frame as it was found."""
 
@@ -116,7 +138,7 @@ class DeleteCameraKey(Edit):
         return _with_camera_keyframes(state.doc, kept)
 
 
-MESSAGES = (ForgetCamera, CameraHorizon, CameraMatch, DeleteCameraKey)
+MESSAGES = (ForgetCamera, CameraHorizon, CameraMatch, CameraFar, DeleteCameraKey)
 
 
 def forgotten(doc: Session) -> Session:

@@ -13,7 +13,12 @@ import numpy as np
 from keypose.app.editor.documents import seen_as_before
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
-from keypose.app.words.camera import camera_sentence, finding_sentences, lens_sentence
+from keypose.app.words.camera import (
+    camera_sentence,
+    finding_sentences,
+    lens_sentence,
+    way_sentences,
+)
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -40,6 +45,7 @@ def found_words(found: FoundCamera) -> str:
     words = [camera_sentence(found.kind, zooms, error)]
     if found.lens is not None:
         words.append(lens_sentence(found.lens.focal_mm))
+    words += [] if motion is None else way_sentences(motion)
     return " ".join([*words, *finding_sentences((*found.findings, *unscaled))])
 
 

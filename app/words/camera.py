@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from keypose.app.words.up import SIGMAS_SAID
 from keypose.tracker.session import Session
-from keypose.tracker.session.camera_motion import CameraFinding
+from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraWay
 
 KINDS: Final = {
     "static": "The camera stands still",
@@ -30,7 +31,8 @@ _FINDINGS: Final = {
     "no_parallax": "{frames}: nothing shows that the camera went anywhere. It is taken to turn "
     "alone.",
     "no_scale": "{frames}: the scale of the camera's path is not known yet, so it is taken to turn "
-    "alone. Track the body and stand it on the floor: feet that stand still give the scale.",
+    "alone. Say how far the camera went, or track the body and stand it on the floor: feet that "
+    "stand still give the scale.",
 }
 
 
@@ -42,6 +44,37 @@ def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
     if error_px is None:
         return f"{words}."
     return f"{words}: background points agree within {error_px:.2g} px."
+
+
+def way_sentences(motion: CameraMotion) -> list[str]:
+    """Say how far the camera went, where that was found and is no more than likely."""
+    found = [way for way in motion.ways if way.farthest_m is not None and way.sigma is not None]
+    several = len(motion.pieces) > 1
+    return [_way_sentence(way, several) for way in found]
+
+
+def _way_sentence(way: CameraWay, several: bool) -> str:
+    assert way.farthest_m is not None
+    assert way.sigma is not None
+    off_m = SIGMAS_SAID * way.sigma * way.farthest_m
+    frames = f"Frames {way.first_frame}–{way.last_frame}: the" if several else "The"
+    return (
+        f"{frames} camera went {way.farthest_m:.2g} m ± {off_m:.1g} m from where it began, by "
+        "where feet stand and how the body moves."
+    )
+
+
+def unscaled_words(session: Session) -> str | None:
+    """Say that exports have no way of the camera over some frames; None where they have."""
+    motion = session.view.camera_motion
+    if motion is None or not motion.unscaled or session.camera_path is None:
+        return None
+    frames = ", ".join(f"{one.first_frame}–{one.last_frame}" for one in motion.unscaled)
+    return (
+        f"The scale of the camera's path is not known in frames {frames}: the motion is written as "
+        "if the camera had only turned there. Stand it on the floor, or say how far the camera "
+        "went."
+    )
 
 
 def lens_sentence(focal_mm: float) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 import numpy as np
 
 from keypose.app.posing.labels import part_label
+from keypose.app.words.camera import way_sentences
 from keypose.app.words.problems import frame_range, named_frames
 from keypose.app.words.up import apart_words, up_words
 
@@ -36,6 +37,8 @@ def standing_words(done: Standing) -> str:
         turned = f"{np.degrees(done.tilted_rad):.0f}°"
         words.append(f"Up was turned by {turned}, to where feet stand level.")
     words += [f"{_named(pin)} stands higher and was left there." for pin in _some(done.raised)]
+    motion = done.session.view.camera_motion
+    words += way_sentences(motion) if motion is not None and done.scaled else []
     for first, last in _some(done.unscaled):
         frames = named_frames(first, last)
         words.append(f"The scale of the camera's path is not known in {frames}: no pins there.")

@@ -11,14 +11,14 @@ import { iconButton, segmented } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { server } from '../store/state.js';
 import { drawMask } from './cues.js';
-import { drawingButton, line, section } from './section.js';
+import { drawingButton, line, measure, section } from './section.js';
 
 /** @typedef {import('../store/shapes.js').CameraFinding} CameraFinding */
 
 const KINDS = /** @type {const} */ ({ static: 'cameraStands', turns: 'cameraTurns', moves: 'cameraMoves' });
 
 export function cameraMotion() {
-  return section('Motion', html`${known()}${line('Camera', kinds())}${finding()}${points()}${doubts()}${corrections()}${leave()}`);
+  return section('Motion', html`${known()}${line('Camera', kinds())}${finding()}${points()}${ways()}${doubts()}${corrections()}${leave()}`);
 }
 
 /** In one line; while it is being found, how far that is. */
@@ -60,6 +60,17 @@ function counted() {
 
 const sign = (kind) => html`<svg class=${`bgsign ${kind}`} viewBox="-5 -5 10 10" aria-hidden="true">
   <path d=${kind === 'agrees' ? 'M0 0h0' : 'M-3-3l6 6M3-3l-6 6'} /></svg>`;
+
+/** How far it went, found or asked for: until that is known, its path has no scale. */
+function ways() {
+  const all = motion()?.ways ?? [];
+  return all.map((way) => measure({
+    key: `camera-way-${way.first}`, label: 'How far the camera went from where it began', value: way.metres,
+    text: all.length > 1 ? `Went, ${way.first}–${way.last}` : 'Went', unit: 'm', decimals: 2, step: 0.1, coarse: 1, min: 0.01, max: 10000,
+    title: way.off_m === null ? 'From where it was at first to the farthest place. Gives its path a scale' : `± ${way.off_m} m, by where feet stand. Type it if you know it better`,
+    edit: (metres) => ({ do: 'camera_far', first: way.first, metres }),
+  }));
+}
 
 /** What is not known of it, or not as surely. */
 function doubts() {

@@ -339,10 +339,12 @@
 
 /** @typedef {{ kind: string, first: number, last: number, words: string }} CameraFinding */
 
+/** @typedef {{ first: number, last: number, metres: number | null, off_m: number | null }} CameraWay  From its first place; what is said as ±. */
 /** @typedef {{ frames: number[], T: number[][], zoom: number[] }} CameraPlaces  T_world_camera, 3 by 4, by rows. */
 
 /**
  * @typedef {object} CameraMotion  How the camera turned, zoomed and moved.
+ * @property {CameraWay[]} ways  How far it went, for every piece that hangs together; none of one that does not move.
  * @property {'turns' | 'moves'} kind
  * @property {string} source  The file it was imported from; empty where it was found.
  * @property {boolean} counts  False while the camera is said to stand still.

@@ -21,6 +21,8 @@ JSON:
                             of its own
     timecode_of_frame_0     where the film has it
     file_number_of_frame_0  where the film is image files that are numbered consecutively
+    without_scale           first and last frames of the film over which nothing tells how far the
+                            camera went: there it is taken to turn alone; left out without any
 
 Of a camera that moves, version 2: `T_world_camera` is that of the film's first frame, and
 
@@ -78,6 +80,8 @@ def camera_json(recording: Recording) -> str:
         fields["timecode_of_frame_0"] = str(recording.timecode)
     if recording.first_file_number is not None:
         fields["file_number_of_frame_0"] = recording.first_file_number
+    if recording.unscaled:
+        fields["without_scale"] = [list(span) for span in recording.unscaled]
     if recording.seen_from is not None:
         fields |= {"version": VERSION_OF_MOVING, "frames": _frames(recording)}
     return json.dumps(fields, indent=1) + "\n"

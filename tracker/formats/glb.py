@@ -234,6 +234,8 @@ def _facts(recording: Recording) -> dict[str, Any]:
         facts["camera_zoom"] = recording.seen_from.zoom.round(6).tolist()
     if recording.filter_hz is not None:
         facts["low_pass_filter_hz"] = recording.filter_hz
+    if recording.unscaled:
+        facts["camera_path_without_scale"] = [list(span) for span in recording.unscaled]
     return facts
 
 

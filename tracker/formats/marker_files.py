@@ -58,6 +58,9 @@ def c3d(recording: Recording) -> bytes:
     file.add_parameter("POINT", "Y_SCREEN", ["+Y"])
     if recording.filter_hz is not None:
         file.add_parameter("KEYPOSE", "LOW_PASS_HZ", [recording.filter_hz])
+    if recording.unscaled:
+        spans = [f"{first}-{last}" for first, last in recording.unscaled]
+        file.add_parameter("KEYPOSE", "CAMERA_WITHOUT_SCALE", spans)
     _add_events(file, recording)
     ps = np.moveaxis(places * MM_PER_M, -1, 0).swapaxes(1, 2)
     missing = np.isnan(ps).any(axis=0)

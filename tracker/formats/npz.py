@@ -16,6 +16,8 @@ the video's frames.
     frames_per_second      ()              the rate, where frames are evenly spaced, or the mean
     filter_hz              ()              cut-off of the low-pass filter (Butterworth, fourth
                                            order, without delay); NaN where it is as tracked
+    unscaled_frames        (U, 2)          first and last frames of the film over which nothing
+                                           tells how far the camera went: it is taken to turn alone
     part_names             (P,)            text
     names                  (J,)            of joints (each part's own) and landmarks
     Rs_parent_part         (N, P, 3, 3)    rotations in the parents' frames (root: the camera's)
@@ -101,6 +103,7 @@ def _poses(recording: Recording) -> Arrays:
         "timecode": _text(str(recording.timecode or "")),
         "frames_per_second": np.array(recording.rate if recording.rate is not None else np.nan),
         "filter_hz": np.array(np.nan if recording.filter_hz is None else recording.filter_hz),
+        "unscaled_frames": np.array(recording.unscaled, dtype=np.int64).reshape(-1, 2),
         "part_names": _text(tracks.part_names),
         "names": _text(column_names(recording.skeleton)),
         "Rs_parent_part": tracks.Rs_parent_part,

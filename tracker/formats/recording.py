@@ -79,6 +79,8 @@ class Recording:
     floor_m:   where the floor is, metres along up from the scene's origin; None: as low as the
                body stands.
     path:      of the camera over the whole film; None where it stands still.
+    unscaled:  first and last frames of the film over which nothing tells how far the camera went:
+               there it is taken to turn alone.
     pins:      what stands still, in frames of the video.
     marker_set: the markers of files of markers.
     origin:    whose ground is the world of files.
@@ -106,6 +108,7 @@ class Recording:
     repeats: Repeats | None = None
     kept_ground: Ground | None = None
     path: CameraPath | None = None
+    unscaled: tuple[tuple[int, int], ...] = ()
 
     @classmethod
     def of(
@@ -139,6 +142,7 @@ class Recording:
             pins=session.subject.pins,
             repeats=session.view.video.repeats,
             path=session.camera_path,
+            unscaled=_unscaled(session),
         )
 
     def __len__(self) -> int:
@@ -401,6 +405,13 @@ class Recording:
         found = np.asarray(near.any(axis=1))
         found.setflags(write=False)
         return found
+
+
+def _unscaled(session: Session) -> tuple[tuple[int, int], ...]:
+    motion = session.view.camera_motion
+    if motion is None or session.camera_path is None:
+        return ()
+    return tuple((one.first_frame, one.last_frame) for one in motion.unscaled)
 
 
 def _mean_rate(times_s: Array) -> float | None:

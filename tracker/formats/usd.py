@@ -91,10 +91,13 @@ def usd(
 
 def _facts(recording: Recording, rig: Rig) -> dict[str, Any]:
     """Return what the file says of itself."""
-    filtered = recording.filter_hz
-    return {"generator": "Keypose", "rig": rig.name} | (
-        {} if filtered is None else {"low_pass_filter_hz": filtered}
-    )
+    facts: dict[str, Any] = {"generator": "Keypose", "rig": rig.name}
+    if recording.filter_hz is not None:
+        facts["low_pass_filter_hz"] = recording.filter_hz
+    if recording.unscaled:
+        spans = (f"{first}-{last}" for first, last in recording.unscaled)
+        facts["camera_path_without_scale"] = ", ".join(spans)
+    return facts
 
 
 def _identifiers(names: Sequence[str]) -> tuple[str, ...]:

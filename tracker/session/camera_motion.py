@@ -6,6 +6,7 @@ import base64
 import binascii
 import math
 import operator
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from typing import Annotated, Literal, Self, TypeAlias
@@ -23,7 +24,7 @@ from keypose.tracker.geometry.rotations import (
     transform,
 )
 from keypose.tracker.session.keyframe import Quaternion
-from keypose.tracker.session.settings import FrameIndex, Plain, Position
+from keypose.tracker.session.settings import FrameIndex, Plain, Position, is_unknown
 
 NUMBERS = 8
 """Of a frame: a quaternion w, x, y, z, a place x, y, z, and the zoom."""
@@ -105,6 +106,32 @@ class CameraPiece(Plain):
         description="How long the unit of its places is; null where nothing tells: then the "
         "camera is taken to turn alone. Left out where they are metres.",
     )
+    sigma: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The standard deviation of that as a share of it, where it was found from feet "
+        "that stand and how the body moves; left out where it is known.",
+    )
+
+
+@dataclass(frozen=True)
+class CameraWay:
+    """How far a camera went over the frames of a piece.
+
+    metres: of the unit of its places; None where nothing tells.  sigma: of that, as a share.
+    farthest: from where it began, in that unit.
+    """
+
+    first_frame: int
+    last_frame: int
+    metres: float | None
+    sigma: float | None
+    farthest: float
+
+    @property
+    def farthest_m(self) -> float | None:
+        """Metres; None where nothing tells."""
+        return None if self.metres is None else self.metres * self.farthest
 
 
 WHOLE = (CameraPiece(first_frame=0),)
@@ -186,6 +213,29 @@ class CameraMotion(Plain):
             for piece, (first, last) in zip(self.pieces, self.spans, strict=True)
             if piece.metres is None
         )
+
+    @property
+    def ways(self) -> tuple[CameraWay, ...]:
+        """Return for every piece how far the camera went from where it was as that begins."""
+        places = self.in_its_units.Ts_world_camera[:, :3, 3]
+        return tuple(
+            CameraWay(
+                first, last, piece.metres, piece.sigma,
+                float(np.linalg.norm(places[first : last + 1] - places[first], axis=1).max()),
+            )
+            for piece, (first, last) in zip(self.pieces, self.spans, strict=True)
+        )  # fmt: skip
+
+    def with_way(self, first_frame: int, farthest_m: float) -> Self:
+        """The motion whose piece that begins at a frame goes so far from there, as somebody knows;
+        ValueError where there is no such piece, or its camera goes nowhere."""
+        way = next((one for one in self.ways if one.first_frame == first_frame), None)
+        if way is None or way.farthest == 0:
+            raise ValueError("No way of the camera begins at this frame.")
+        metres = float(f"{farthest_m / way.farthest:.7g}")
+        known = CameraPiece(first_frame=first_frame, metres=metres)
+        pieces = (known if one.first_frame == first_frame else one for one in self.pieces)
+        return self.model_copy(update={"pieces": tuple(pieces)})
 
     @property
     def untied(self) -> NDArray[np.bool_]:

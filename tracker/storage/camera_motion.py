@@ -243,12 +243,35 @@ def with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Sessi
             continue
         found = _scale(session, path, [run for run in within if len(run) > 1])
         if found is not None:
-            pieces[number] = piece.model_copy(update={"metres": float(f"{found.metres:.7g}")})
+            pieces[number] = piece.model_copy(
+                update={
+                    "metres": float(f"{found.metres:.7g}"),
+                    "sigma": float(f"{found.sd / found.metres:.3g}"),
+                }
+            )
     if tuple(pieces) == motion.pieces:
         return session
-    scaled = motion.model_copy(update={"pieces": tuple(pieces)})
-    keys = _kept_on_path(session.view.camera_keyframes, motion, scaled)
-    return session.changed({"camera_motion": scaled, "camera_keyframes": keys})
+    return _with_motion(session, motion.model_copy(update={"pieces": tuple(pieces)}))
+
+
+def with_known_way(session: Session, first_frame: int, farthest_m: float) -> Session:
+    """The session whose camera went so far from where it was at a frame at which a piece of its
+    motion begins. CameraError in one sentence where it went nowhere."""
+    motion = session.view.camera_motion
+    if motion is None or motion.kind != "moves":
+        raise CameraError("The camera does not move: find its motion first.")
+    try:
+        return _with_motion(session, motion.with_way(first_frame, farthest_m))
+    except ValueError as error:
+        raise CameraError(str(error)) from None
+
+
+def _with_motion(session: Session, motion: CameraMotion) -> Session:
+    """The session with its camera's motion in another scale. Corrections stay beside the path."""
+    before = session.view.camera_motion
+    assert before is not None
+    keys = _kept_on_path(session.view.camera_keyframes, before, motion)
+    return session.changed({"camera_motion": motion, "camera_keyframes": keys})
 
 
 def _kept_on_path(

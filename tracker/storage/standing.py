@@ -45,7 +45,8 @@ class Standing:
     released: what contacts that were proposed would have done, and are no pins for it.  harms:
     what each pin does.  hanging: feet that stand still above the floor unpinned, and by
     how many metres.  tilted_rad: by how much the floor is tilted beside what was known of up.
-    unscaled: frames over which the camera's way has no scale, and nothing was pinned.
+    scaled: whether the scale of the camera's way was found.
+    unscaled: frames over which that has none, and nothing was pinned.
     """
 
     session: Session
@@ -58,6 +59,7 @@ class Standing:
     harms: tuple[Harm, ...]
     hanging: tuple[tuple[Pin, float], ...]
     tilted_rad: float
+    scaled: bool
     unscaled: tuple[Span, ...]
 
 
@@ -75,6 +77,7 @@ def stand(
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
+    as_found = session.view.camera_motion
     session = _with_scale(session.changed({"settings": smooth}), fitting)
     motions = motions_of(session, fitting)
     if not motions:
@@ -101,6 +104,7 @@ def stand(
         harms=kept.harms,
         hanging=kept.hanging(),
         tilted_rad=float(np.arccos(np.clip(up_of(kept.session) @ up_of(session), -1.0, 1.0))),
+        scaled=session.view.camera_motion != as_found,
         unscaled=tuple(unscaled_spans(session)),
     )
 
@@ -135,8 +139,8 @@ def _require_scale(session: Session, motions: Mapping[Span, Trajectory]) -> None
     unknown = unscaled_spans(session)
     if all(any(a <= first and last <= b for a, b in unknown) for first, last in motions):
         raise SessionError(
-            "How far the camera went is not known, so no foot can be said to stand still: pin a "
-            "foot where it stands for some time, and stand again."
+            "How far the camera went is not known, so no foot can be said to stand still: say how "
+            "far it went, or pin a foot where it stands for some time, and stand again."
         )
 
 

@@ -29,7 +29,7 @@ from keypose.app.orders.film import FilmOrder, RunOrder
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
-from keypose.app.orders.values import FrameRange, Whole
+from keypose.app.orders.values import FrameRange, Number, Whole
 
 if TYPE_CHECKING:
     from keypose.tracker.reduction.result import Every, Tolerance
@@ -149,6 +149,11 @@ def add_camera(commands: Subcommands) -> None:
         "--background", type=file_name, metavar="FILE.png",
         help="write what stands behind the body, put together all around, of a camera that turns "
         "and is known; nothing else is done",
+    )  # fmt: skip
+    command.add_argument(
+        "--went", type=typed(Number(least=0.01, most=10_000, unit="m")), metavar="METRES",
+        help="how far the camera went from where it began, where you know: the scale of its path; "
+        "a motion that is known is not looked for again",
     )  # fmt: skip
     command.add_argument("--forget", action="store_true", help="leave the camera as it was")
     command.add_argument(

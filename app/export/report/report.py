@@ -223,6 +223,8 @@ def _facts(subject: Subject) -> list[str]:
         ]
     if session.camera_path is not None and (motion := session.view.camera_motion) is not None:
         facts.append(camera_sentence(motion.kind, motion.path.zooms, None).rstrip(".").lower())
+        if motion.unscaled:
+            facts.append("the scale of the camera's path is not known")
     facts.append(f"body {body.name.replace('_', ' ')}, {len(body.parts)} parts")
     if session.subject.results is not None:
         facts.append(words.way(session, session.subject.results))

@@ -46,6 +46,7 @@ from keypose.app.jobs.stand import stood
 from keypose.app.jobs.track import found_in
 from keypose.app.jobs.wire import failure_message
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
+from keypose.app.words.camera import unscaled_words
 from keypose.app.words.review import row_of_place
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
@@ -200,6 +201,8 @@ def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summ
         return summary
     _leave_when(stop)
     send(Step(0, stage="export"))
+    words = unscaled_words(load_session(task.session))
+    summary = replace(summary, notes=(*summary.notes, words)) if words else summary
     try:
         return replace(summary, exported=export_motion(task.session, task.export))
     except FormatError as error:

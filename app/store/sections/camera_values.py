@@ -11,8 +11,9 @@ from keypose.app.editor.frames import T_camera_world
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.store.state import AppState
 from keypose.app.words.camera import camera_sentence, finding_sentence
+from keypose.app.words.up import SIGMAS_SAID
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
-from keypose.tracker.session.camera_motion import CameraMotion
+from keypose.tracker.session.camera_motion import CameraMotion, CameraWay
 
 if TYPE_CHECKING:
     from keypose.tracker.camera_motion import FollowedPoints
@@ -34,6 +35,7 @@ def camera_motion(app_state: AppState) -> Json:
         "source": motion.source,
         "counts": path is not None,
         "words": camera_sentence(motion.kind, motion.path.zooms, usual),
+        "ways": [] if motion.kind != "moves" else [_way(way) for way in motion.ways],
         "error_px": [None if np.isnan(e) else round(float(e), 3) for e in errors],
         "keys": [keyframe.frame for keyframe in doc.view.camera_keyframes],
         "findings": [
@@ -46,6 +48,18 @@ def camera_motion(app_state: AppState) -> Json:
             for one in (*motion.findings, *motion.unscaled)
         ],
         "path": None if path is None else _places(path),
+    }
+
+
+def _way(way: CameraWay) -> Json:
+    """How far the camera went from where it was as a piece begins, and what is said as ±."""
+    far, sigma = way.farthest_m, way.sigma
+    off = None if far is None or sigma is None else SIGMAS_SAID * sigma * far
+    return {
+        "first": way.first_frame,
+        "last": way.last_frame,
+        "metres": None if far is None else float(f"{far:.3g}"),
+        "off_m": None if off is None else float(f"{off:.1g}"),
     }
 
 

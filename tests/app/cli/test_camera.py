@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import cv2
@@ -11,9 +12,10 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import locked
-from keypose.app.words.camera import finding_sentences
+from keypose.app.words.camera import finding_sentences, unscaled_words
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import transpose
-from keypose.tracker.session.camera_motion import CameraFinding
+from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
 from keypose.tracker.storage.camera_motion import points_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import segment_keys
@@ -187,3 +189,53 @@ def test_found_anew_it_keeps_what_a_person_corrected(path: Path) -> None:
     again = load_session(path).camera_path
     assert again is not None
     np.testing.assert_array_equal(again.Ts_camera_world[9], np.eye(4))
+
+
+def walks(path: Path, starts: tuple[int, ...] = (0,)) -> None:
+    """The session's camera goes a way whose scale nothing tells."""
+    away = panned.path().Ts_camera_world.copy()
+    away[:, 0, 3] = np.linspace(0, 1, panned.FRAMES)
+    pieces = tuple(CameraPiece(first_frame=first, metres=None) for first in starts)
+    given = CameraPath(away, np.ones(panned.FRAMES))
+    motion = CameraMotion.of("moves", given, pieces=pieces)
+    save_session(load_session(path).changed({"camera_motion": motion}), path)
+
+
+def test_how_far_the_camera_went_gives_its_path_a_scale(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    walks(path)
+    words = unscaled_words(load_session(path))
+    assert words is not None
+    assert words.startswith("The scale of the camera's path is not known in frames 0–23: ")
+    assert main(["camera", str(path), "--went", "3.2"]) == 0
+    assert "it went 3.2 m from where it began" in capsys.readouterr().out
+    session = load_session(path)
+    assert unscaled_words(session) is None
+    assert session.camera_path is not None
+    places = session.camera_path.Ts_world_camera[:, :3, 3]
+    assert np.linalg.norm(places - places[0], axis=1).max() == pytest.approx(3.2, rel=1e-3)
+
+
+REFUSED = {
+    "a pan goes nowhere": (None, "3", "The camera does not move"),
+    "several pieces": ((0, 9), "3", "The camera's path is in several pieces"),
+    "no way": ((0,), "0", "is not a number from 0.01 to 10000"),
+    "no number": ((0,), "far", "is not a number from 0.01 to 10000"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_gives_no_scale_is_said_in_one_sentence_and_changes_nothing(
+    path: Path, capsys: pytest.CaptureFixture[str], case: str
+) -> None:
+    starts, metres, words = REFUSED[case]
+    if starts is None:
+        save_session(panned.panned(), path)
+    else:
+        walks(path, starts)
+    before = path.read_bytes()
+    with suppress(SystemExit):
+        assert main(["camera", str(path), "--went", metres]) == 2
+    assert words in capsys.readouterr().err
+    assert path.read_bytes() == before

@@ -30,7 +30,7 @@ from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.geometry.rotations import exp_rotation, transpose
 from keypose.tracker.session import Session
-from keypose.tracker.session.camera_motion import CameraMotion
+from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.storage.camera_motion import FoundCamera
 from keypose.tracker.storage.fingerprints import segment_keys, steady_camera
 from keypose.tracker.storage.up import estimated_up
@@ -346,6 +346,22 @@ def test_points_marked_by_hand_tell_no_zoom_where_a_turn_explains_them() -> None
     given["here"][0][0] += 1.0
     state = after(desk(wrong(), frame=23), {"do": "camera_match", **given})
     assert state.doc.view.camera_keyframes[0].zoom == 1.0
+
+
+def test_how_far_the_camera_went_is_one_step_and_refused_where_it_goes_nowhere() -> None:
+    away = panned.path().Ts_camera_world.copy()
+    away[:, 0, 3] = np.linspace(0, 1, panned.FRAMES)
+    motion = CameraMotion.of(
+        "moves", CameraPath(away, np.ones(panned.FRAMES)),
+        pieces=(CameraPiece(first_frame=0, metres=None),),
+    )  # fmt: skip
+    before = desk(panned.session(motion))
+    known = after(before, {"do": "camera_far", "metres": 3.5})
+    assert known.doc.view.camera_motion is not None
+    assert known.doc.view.camera_motion.ways[0].farthest_m == pytest.approx(3.5)
+    assert after(known, {"do": "undo"}).doc == before.doc
+    with pytest.raises(ActionRefused, match="The camera does not move"):
+        after(desk(panned.panned()), {"do": "camera_far", "metres": 3.5})
 
 
 def test_upright_lines_of_any_frame_say_the_same() -> None:

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from keypose.app.words.standing import standing_words
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.up import Disagreement, UpEvidence, up_of_one
+from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
 from keypose.tracker.storage.standing import Standing
@@ -21,10 +23,18 @@ BENT = Harm(FOOT, "knee", float(np.radians(11.0)), 1.1, "right_shin", 50)
 LEVEL = (0.0, -1.0, 0.0)
 SET = up_of_one(UpEvidence.of(np.array(LEVEL), np.radians(1.0), "set"))
 STEEP = UpEvidence.of(np.array([0.0, -0.98, -0.199]), np.radians(1.0), "lines")
+PLAIN_SESSION = cases.session().with_up(LEVEL)
+WAY = np.tile(np.eye(4), (3, 1, 1))
+WAY[:, 0, 3] = (0.0, 0.5, 1.0)
+WALKED = CameraMotion.of(
+    "moves",
+    CameraPath(WAY, np.ones(3)),
+    pieces=(CameraPiece(first_frame=0, metres=2.0, sigma=0.1),),
+)
 PLAIN = Standing(
-    session=cases.session().with_up(LEVEL), taken=3, on_floor=4, softened=(0,), raised=(), up=SET,
+    session=PLAIN_SESSION, taken=3, on_floor=4, softened=(0,), raised=(), up=SET,
     released=(), harms=(replace(SEEN, amount=2.2, share=0.3),), hanging=(), tilted_rad=0.0,
-    unscaled=(),
+    scaled=False, unscaled=(),
 )  # fmt: skip
 
 SAID: dict[str, tuple[dict[str, Any], str]] = {
@@ -50,6 +60,11 @@ SAID: dict[str, tuple[dict[str, Any], str]] = {
         {"up": replace(SET, apart=(Disagreement(STEEP, 8.0),))},
         "The up direction that is set says the camera looks down by 0° ± 2°, upright lines say "
         "11° ± 2°. Check the horizon.",
+    ),
+    "scaled": (
+        {"scaled": True, "session": PLAIN_SESSION.changed({"camera_motion": WALKED})},
+        "The camera went 2 m ± 0.4 m from where it began, by where feet stand and how the body "
+        "moves.",
     ),
     "no scale": (
         {"unscaled": ((45, 90),)},

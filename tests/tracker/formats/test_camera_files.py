@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.camera_files import camera_json, chan
+from keypose.tracker.formats.npz import npz
 from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.geometry.camera import Camera
@@ -100,3 +102,16 @@ def test_a_telephoto_lens_is_reported_in_json_and_not_in_chan() -> None:
 def test_frames_that_are_not_tracked_have_the_same_camera() -> None:
     made = recordings.recording("person", without=(1,))
     assert len(rows(chan(made))) == 73
+
+
+def test_files_say_where_the_path_of_the_camera_has_no_scale() -> None:
+    known = recordings.recording("person")
+    made = replace(known, unscaled=((0, 9), (20, 30)))
+    assert json.loads(camera_json(made))["without_scale"] == [[0, 9], [20, 30]]
+    assert "without_scale" not in json.loads(camera_json(known))
+    with np.load(BytesIO(npz(made))) as found:
+        assert found["unscaled_frames"].tolist() == [[0, 9], [20, 30]]
+    with np.load(BytesIO(npz(known))) as found:
+        assert found["unscaled_frames"].shape == (0, 2)
+    assert b'"camera_path_without_scale":[[0,9],[20,30]]' in written(made).replace(b" ", b"")
+    assert b"camera_path_without_scale" not in written(known)

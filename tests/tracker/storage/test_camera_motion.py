@@ -14,7 +14,12 @@ from keypose.tracker.geometry.rotations import exp_rotation, transform
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion, CameraPiece
 from keypose.tracker.session.references import Repeats
-from keypose.tracker.storage.camera_motion import FoundCamera, background_picture, with_scale
+from keypose.tracker.storage.camera_motion import (
+    FoundCamera,
+    background_picture,
+    with_known_way,
+    with_scale,
+)
 from keypose.tracker.storage.fingerprints import Span, segment_keys
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.stretches import stretches
@@ -65,6 +70,26 @@ def test_every_piece_has_the_unit_that_its_own_stances_tell() -> None:
     assert lengths(found) == pytest.approx(UNITS, rel=0.01)
     assert found.view.camera_motion is not None
     assert found.view.camera_motion.unscaled == ()
+
+
+def test_how_far_the_camera_went_comes_with_its_deviation_and_gives_way_to_what_is_known() -> None:
+    session, fitting = carried((None, None))
+    found = with_scale(session, fitting).view.camera_motion
+    assert found is not None
+    assert all(way.sigma is not None and way.sigma < 0.1 for way in found.ways)
+    known = with_known_way(session, CUT, 3.0)
+    assert known.view.camera_motion is not None
+    first, second = known.view.camera_motion.ways
+    assert first.farthest_m is None
+    assert second.farthest_m == pytest.approx(3.0)
+    assert second.sigma is None
+    places = known.camera_path
+    assert places is not None
+    centres = places.Ts_world_camera[CUT:, :3, 3]
+    assert np.linalg.norm(centres - centres[0], axis=1).max() == pytest.approx(3.0)
+    assert with_scale(known, fitting).view.camera_motion.ways[1] == second  # type: ignore[union-attr]
+    with pytest.raises(CameraError, match="No way of the camera begins"):
+        with_known_way(session, CUT + 1, 3.0)
 
 
 def test_a_piece_over_which_nothing_is_tracked_has_none_and_one_that_is_known_keeps_its_own() -> (
