@@ -84,7 +84,11 @@ class NumberField extends ValueElement {
   }
 
   press(event) {
-    if (this.isFocused || event.button !== 0 || this.spec.off || this.spec.value === null) return;
+    if (this.isFocused || event.button !== 0 || this.spec.off) return;
+    if (this.spec.value === null) { // nothing to drag from: it is typed
+      this.begin();
+      return;
+    }
     const from = { x: event.clientX, start: this.value, travel: 0, moved: false };
     followValue(this, event, {
       move: (now) => this.drag(from, now),
@@ -112,9 +116,14 @@ class NumberField extends ValueElement {
       this.finish();
       this.draw();
     } else {
-      this.input.focus({ preventScroll: true });
-      this.byMouse = true;
+      this.begin();
     }
+  }
+
+  /** The caret comes by a press. */
+  begin() {
+    this.input.focus({ preventScroll: true });
+    this.byMouse = true;
   }
 
   drop() {
