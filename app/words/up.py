@@ -42,7 +42,7 @@ def up_words(found: UpEstimate) -> str:
         used = _by(found)
         verb = "is" if len(found.sources) == 1 and found.sources[0] != "lines" else "are"
         return f"{apart_words(found)} {used[0].upper()}{used[1:]} {verb} used."
-    words = f"{camera_words(found.up.tolist())}{off_words(found.sigma_rad)}, by {_by(found)}."
+    words = f"{_camera_words(found.up.tolist(), off_words(found.sigma_rad))}, by {_by(found)}."
     is_sure = off_deg(found.sigma_rad) <= SURE_DEG
     return words if is_sure else f"{words} Draw the horizon to be surer."
 
@@ -85,13 +85,13 @@ def nothing_words() -> str:
     )
 
 
-def camera_words(up_camera: Sequence[float]) -> str:
-    """Such as "The camera looks down by 12°"."""
+def _camera_words(up_camera: Sequence[float], off: str = "") -> str:
+    """Such as "The camera looks down by 12° ± 2°", or "The camera is level to ± 2°"."""
     tilt, _ = tilt_and_roll(up_camera)
     deg = round(abs(tilt))
     if not deg:
-        return "The camera is level"
-    return f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°"
+        return f"The camera is level{' to' if off else ''}{off}"
+    return f"The camera looks {'up' if tilt > 0 else 'down'} by {deg}°{off}"
 
 
 def off_deg(sigma_rad: float) -> int:

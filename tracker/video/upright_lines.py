@@ -43,8 +43,9 @@ LEAST_SIGMA_DEG: Final = 0.5
 cameras were calibrated it is 0.6–1.0° off, of which the lines alone would tell 0.4–0.8°."""
 MOST_SIGMA_RAD: Final = np.radians(2.5)
 """Lines that tell less are not taken unseen."""
-LEAST_AGREEING, LEAST_LINES = 0.4, 6
-"""The share of all length that has to agree, and the number of segments."""
+LEAST_AGREEING, LEAST_THINGS = 0.4, 7
+"""The share of all length that has to agree, and along how many things: lines that lean this way
+and that agree on six by chance; seven films of walls and windows show eight and more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,7 @@ def up_from_lines(
     normals = _planes(ends, camera)
     seen = np.isfinite(normals).all(axis=1)
     ends, normals = ends[seen], normals[seen]
-    if len(ends) < LEAST_LINES:
+    if len(ends) < LEAST_THINGS:
         return None
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=-1)
     sigma = np.clip(END_PX / length, LEAST_OFF_RAD, MOST_OFF_RAD)
@@ -101,12 +102,13 @@ def up_from_lines(
         return None
     for _ in range(ROUNDS):
         agrees = _agreement(normals, up, sigma)
-        weight = agrees * _alone(normals, up, agrees) / sigma**2
+        counts = agrees * _alone(normals, up, agrees)
+        weight = counts / sigma**2
         precisions, ways = np.linalg.eigh((normals * weight[:, None]).T @ normals)
         up = _upward(ways[:, 0])
     agreeing = _agreement(normals, up, sigma) > 0
     share = float(length[agreeing].sum() / length.sum())
-    if share < LEAST_AGREEING or agreeing.sum() < LEAST_LINES or not _is_usual(up):
+    if share < LEAST_AGREEING or counts.sum() < LEAST_THINGS or not _is_usual(up):
         return None
     precisions = np.maximum(precisions[1:], np.finfo(float).tiny)
     least = np.radians(LEAST_SIGMA_DEG) ** 2 * np.eye(3)

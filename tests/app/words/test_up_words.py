@@ -19,6 +19,7 @@ SAID = {
     "sure": (
         [evidence(3, 0, 0.9, "lines")], "The camera looks down by 3° ± 2°, by upright lines."
     ),
+    "level": ([evidence(0, 0, 0.9, "lines")], "The camera is level to ± 2°, by upright lines."),
     "less sure": (
         [evidence(-3, 0, 3.0, "person")],
         "The camera looks up by 3° ± 6°, by how the person stands. Draw the horizon to be surer.",

@@ -90,6 +90,38 @@ def test_the_edges_of_bars_at_the_sides_are_no_upright_lines(bars: tuple[int, in
     assert up_from_lines([blank] * 6, CAMERA) is None
 
 
+@pytest.mark.parametrize("slanted", [6, 9, 12])
+@pytest.mark.parametrize(("tilt", "roll"), [(0.0, 40.0), (5.0, 30.0), (60.0, 0.0), (10.0, -45.0)])
+def test_a_camera_that_leans_far_is_not_said_to_stand_upright_by_what_agrees_by_chance(
+    tilt: float, roll: float, slanted: int
+) -> None:
+    up = up_of(tilt, roll)
+    found = up_from_lines([picture(up, slanted=slanted)], CAMERA)
+    assert found is None or angle_deg(found.up_camera, up) < 2 * np.degrees(found.alone.sigma_rad)
+
+
+def test_one_thing_counts_once_however_many_edges_and_pictures_show_it() -> None:
+    up = up_of(12.0, 1.0)
+    once, often = (up_from_lines([picture(up)] * count, CAMERA) for count in (1, 3))
+    assert once is not None
+    assert often is not None
+    assert often.alone.sigma_rad == pytest.approx(once.alone.sigma_rad, rel=0.05)
+    two = np.full((360, 640), 90, np.uint8)
+    for uv in (posts(up, CAMERA)[1], posts(up, CAMERA)[-2]):
+        cv2.polylines(two, [np.round(uv).astype(np.int32)], False, 220, 7, cv2.LINE_AA)
+    assert up_from_lines([two] * 3, CAMERA) is None
+
+
+def test_the_far_edge_of_a_floor_that_leads_away_is_one_line_among_many() -> None:
+    up = up_of(15.0, 0.0)
+    shown = picture(up).copy()
+    for shift in (0, 8):
+        cv2.line(shown, (420 + shift, 20), (500 + shift, 350), 255, 2, cv2.LINE_AA)
+    found = up_from_lines([shown], CAMERA)
+    assert found is not None
+    assert angle_deg(found.up_camera, up) < 2 * np.degrees(found.alone.sigma_rad)
+
+
 def test_a_blank_wall_and_lines_that_lean_every_way_say_nothing() -> None:
     blank = np.full((360, 640, 3), 128, np.uint8)
     assert up_from_lines([blank, blank], CAMERA) is None
