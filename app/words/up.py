@@ -55,9 +55,9 @@ def apart_words(found: UpEstimate) -> str:
     used, worst = found.used[0], max(found.apart, key=lambda one: one.sigmas).evidence
     axis = _axis_apart(used.up, worst.up)
     says = f"{SOURCES[worst.source]} {_SAY.get(worst.source, 'says')}"
-    (looks, deg), (other_looks, other_deg) = (_angle(each.up, axis) for each in (used, worst))
-    first = f"{SOURCES[used.source]} {_SAY.get(used.source, 'says')} the camera {looks} by {deg}°"
-    other = f"{other_deg}°" if looks == other_looks else f"it {other_looks} by {other_deg}°"
+    (way, deg), (other_way, other_deg) = (_angle(each.up, axis) for each in (used, worst))
+    first = f"{SOURCES[used.source]} {_SAY.get(used.source, 'says')} the camera {way}{deg}"
+    other = other_deg.removeprefix(" by ") if way == other_way else f"it {other_way}{other_deg}"
     return (
         f"{first[0].upper()}{first[1:]}{off_words(used.sigma_along(AXES[axis]))}, {says} {other}"
         f"{off_words(worst.sigma_along(AXES[axis]))}."
@@ -118,9 +118,12 @@ def _axis_apart(one: Array, other: Array) -> str:
     return "roll" if off[0] > off[2] else "tilt"
 
 
-def _angle(up_camera: Array, axis: str) -> tuple[str, int]:
-    """Which way a camera looks or leans, and by how many degrees."""
+def _angle(up_camera: Array, axis: str) -> tuple[str, str]:
+    """Which way a camera looks or leans, and by how much: " by 3°"; empty where it does not."""
     tilt, roll = tilt_and_roll(up_camera)
+    deg = round(abs(roll if axis == "roll" else tilt))
+    if not deg:
+        return ("does not lean" if axis == "roll" else "looks straight ahead"), ""
     if axis == "roll":
-        return f"leans {'left' if roll > 0 else 'right'}", round(abs(roll))
-    return f"looks {'up' if tilt > 0 else 'down'}", round(abs(tilt))
+        return f"leans {'left' if roll > 0 else 'right'}", f" by {deg}°"
+    return f"looks {'up' if tilt > 0 else 'down'}", f" by {deg}°"

@@ -58,8 +58,8 @@ SAID: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "not as set": (
         {"up": replace(SET, apart=(Disagreement(STEEP, 8.0),))},
-        "The up direction that is set says the camera looks down by 0° ± 2°, upright lines say "
-        "11° ± 2°. Check the horizon.",
+        "The up direction that is set says the camera looks straight ahead ± 2°, upright lines "
+        "say it looks down by 11° ± 2°. Check the horizon.",
     ),
     "scaled": (
         {"scaled": True, "session": PLAIN_SESSION.changed({"camera_motion": WALKED})},

@@ -40,8 +40,8 @@ SAID = {
     ),
     "in roll": (
         [evidence(3, 15, 1.0, "lines"), evidence(3, 0, 1.5, "person")],
-        "Upright lines say the camera leans left by 15° ± 2°, how the person stands says it leans "
-        "right by 0° ± 3°. Upright lines are used.",
+        "Upright lines say the camera leans left by 15° ± 2°, how the person stands says it does "
+        "not lean ± 3°. Upright lines are used.",
     ),
 }  # fmt: skip
 
