@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
-from keypose.app.editor.frames import T_camera_world
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.up import nothing_words, unsure_words, up_words
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.actions import FindUp as Asked
     from keypose.app.editor.state import EditorState
     from keypose.app.store.state import AppState
-    from keypose.tracker.geometry.up import UpEstimate
+    from keypose.tracker.geometry.up import UpEstimate, UpEvidence
     from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "find the up direction"
@@ -44,20 +43,52 @@ class FoundUp:
     after: Session | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class SeenLines:
+    """What upright lines show of up, in the world, and those that are shown; None where few
+    agree."""
+
+    evidence: UpEvidence | None
+    lines: UprightLines | None
+
+
 def upright_lines(session: Session, video: Video, frame: int | None = None) -> UprightLines | None:
     """Find upright lines in one frame, or in some of the whole film; None where few agree."""
     from keypose.tracker.storage.up import lens_spread  # loads what only this needs
     from keypose.tracker.video.upright_lines import up_from_lines
 
-    spread = np.linspace(0, session.view.video.frame_count - 1, PICTURES).astype(int).tolist()
     pictures = []
-    for number in spread if frame is None else [frame]:
+    for number in _spread(session) if frame is None else [frame]:
         try:
             pictures.append(video.frame(number))
         except MissingFrame:
             continue
     camera = session.view.camera if frame is None else session.camera_at(frame)
     return up_from_lines(pictures, camera, lens_spread(session)) if pictures else None
+
+
+def seen_lines(session: Session, video: Video, at: int | None = None) -> SeenLines:
+    """Find upright lines in some frames of a film whose camera stands still, or moves as is known.
+
+    at: the frame whose lines are shown, where a camera moves; the only one that is looked at as
+    long as nobody knows how.
+    """
+    from keypose.tracker.storage.up import evidence_of_lines  # loads what only this needs
+
+    if session.has_static_camera:
+        lines = upright_lines(session, video)
+        return SeenLines(None if lines is None else lines.evidence, lines)
+    frames = [] if session.camera_path is None else _spread(session)
+    frames += [] if at is None else [at]
+    found = {frame: upright_lines(session, video, frame) for frame in dict.fromkeys(frames)}
+    known = {frame: lines for frame, lines in found.items() if lines is not None}
+    return SeenLines(evidence_of_lines(session, known), None if at is None else found[at])
+
+
+def _spread(session: Session) -> list[int]:
+    """Frames all over a film."""
+    ends = np.linspace(0, session.view.video.frame_count - 1, PICTURES)
+    return [int(frame) for frame in ends]
 
 
 def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
@@ -68,7 +99,7 @@ def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
     from keypose.tracker.storage.up import estimated_up  # loads what only this needs
 
     lines = upright_lines(session, video)
-    found = estimated_up(session, {}, lines)
+    found = None if lines is None else estimated_up(session, {}, lines.evidence)
     if lines is None or found is None:
         return session, nothing_words()
     if not lines.is_sure:
@@ -78,8 +109,8 @@ def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
 
 @dataclass(frozen=True)
 class FindUp(Fit):
-    """frame: the present one, the only one that is looked at before a camera that moves.  fitting:
-    what was tracked, by segment."""
+    """frame: the present one, whose lines are shown of a camera that moves.  fitting: what was
+    tracked, by segment."""
 
     frame: int = 0
     fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
@@ -100,12 +131,10 @@ class FindUp(Fit):
             motions_of,
         )  # loads what only this needs
 
-        video = context.cache.video(session, self.video_path)
-        lines = upright_lines(session, video, None if session.has_static_camera else self.frame)
+        seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
         free = session.with_up(None)  # asked for anew, whatever was set
         motions = motions_of(free, self.fitting)
-        T = T_camera_world(session, self.frame)
-        return FoundUp(estimated_up(free, motions, lines, T[:3, :3].T), lines)
+        return FoundUp(estimated_up(free, motions, seen.evidence), seen.lines)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return *filmed_by(doc), doc.world.up_world, doc.world.up_from

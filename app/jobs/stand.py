@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from keypose.app.editor.documents import softened
-from keypose.app.jobs.find_up import FoundUp, upright_lines
+from keypose.app.jobs.find_up import FoundUp, SeenLines, seen_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import standing_words
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from keypose.app.store.state import AppState
     from keypose.tracker.storage.results import Results
     from keypose.tracker.storage.standing import Standing
-    from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "stand on the floor"
 """What undo calls it."""
@@ -57,12 +56,13 @@ def stood(
     from keypose.tracker.storage.standing import stand
     from keypose.tracker.storage.tracks import load_tracks
 
-    lines = None
-    if session.has_static_camera and not session.has_up_of_hand:  # else no film is needed
+    seen = None
+    is_camera_known = session.has_static_camera or session.camera_path is not None
+    if is_camera_known and not session.has_up_of_hand:  # else no film is needed
         with open_video_of(session, path) as video:
-            lines = upright_lines(session, video)
+            seen = seen_lines(session, video).evidence
     motion = None if session.subject.results is None else load_tracks(session, path)
-    done = stand(session, results.fitting(session), lines, cancelled, motion=motion)
+    done = stand(session, results.fitting(session), seen, cancelled, motion=motion)
     for stretch in results.unsolved(done.session):
         results = results.with_space(solved(done.session, stretch, cancelled))
     return done, results
@@ -70,9 +70,11 @@ def stood(
 
 @dataclass(frozen=True)
 class StandOnFloor(Fit):
-    """fitting: what was tracked, by segment."""
+    """fitting: what was tracked, by segment.  frame: the present one, whose lines are shown of a
+    camera that moves."""
 
     fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
+    frame: int = field(default=0, compare=False)
 
     title = "Standing on the floor"
     why_cancelled = "Cancelled because keyframes, pins or the camera changed."
@@ -82,15 +84,13 @@ class StandOnFloor(Fit):
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Stand) -> Self:
         finished = {span: found for span, found in edit.fitting.items() if found.finished}
-        return cls(*sent(opened, edit.doc), finished)
+        return cls(*sent(opened, edit.doc), finished, edit.frame)
 
-    def work(self, session: Session, context: Context) -> tuple[Standing, UprightLines | None]:
+    def work(self, session: Session, context: Context) -> tuple[Standing, SeenLines]:
         from keypose.tracker.storage.standing import stand  # loads what only this needs
 
-        lines = None
-        if session.has_static_camera:
-            lines = upright_lines(session, context.cache.video(session, self.video_path))
-        return stand(session, self.fitting, lines, context.cancelled), lines
+        seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
+        return stand(session, self.fitting, seen.evidence, context.cancelled), seen
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
@@ -100,10 +100,8 @@ class StandOnFloor(Fit):
             *(doc.value(name) for name in CHANGED),
         )
 
-    def apply(
-        self, found: tuple[Standing, UprightLines | None], state: AppState
-    ) -> tuple[AppState, str]:
-        done, lines = found
+    def apply(self, found: tuple[Standing, SeenLines], state: AppState) -> tuple[AppState, str]:
+        done, seen = found
         edit = state.editing
         fields = {name: done.session.value(name) for name in CHANGED if name != "keyframes"}
         keyframes = (
@@ -112,5 +110,5 @@ class StandOnFloor(Fit):
         )
         fields["keyframes"] = tuple(keyframes)  # those that stay are the same
         after = edit.with_step(edit.doc.changed(fields), LABEL)
-        up = FoundUp(done.up, lines, after.doc) if done.up.apart else None  # to choose from
+        up = FoundUp(done.up, seen.lines, after.doc) if done.up.apart else None  # to choose from
         return replace(state, edit=after, up=up), standing_words(done)

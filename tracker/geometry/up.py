@@ -68,10 +68,8 @@ class UpEvidence(UnsureUp):
         precision = across.T @ np.linalg.inv(across @ covariance @ across.T) @ across
         return cls(np.asarray(up), precision, source)
 
-    def turned(self, R: Array | None) -> UpEvidence:
-        """The same in another frame, in which this one is turned by R (3, 3); itself without."""
-        if R is None:
-            return self
+    def turned(self, R: Array) -> UpEvidence:
+        """The same in another frame, in which this one is turned by R (3, 3)."""
         return UpEvidence(R @ self.up, R @ self.precision @ R.T, self.source)
 
     def seen_by_lens(self, spread: float) -> UpEvidence:

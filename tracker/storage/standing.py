@@ -12,7 +12,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.geometry.up import UpEstimate
+from keypose.tracker.geometry.up import UpEstimate, UpEvidence
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
@@ -27,7 +27,6 @@ from keypose.tracker.storage.stretches import keyframes_within
 from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.storage.up import estimated_up, motions_of
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.video.upright_lines import UprightLines
 
 STEP_M, NEARER = 0.25, 0.1
 """A foot that stands so much higher than most stands on something else than the floor; unless the
@@ -66,14 +65,14 @@ class Standing:
 def stand(
     session: Session,
     fitting: Mapping[Span, SegmentResult],
-    lines: UprightLines | None = None,
+    seen: UpEvidence | None = None,
     cancelled: Callable[[], bool] | None = None,
     motion: Tracks | None = None,
 ) -> Standing:
     """Stand the session on its floor; SessionError in one sentence where nobody stands.
 
-    fitting: what was tracked, by segment.  lines: upright ones of the film, for where nobody said
-    what is up.  motion: as it was saved, for why it is out of date.
+    fitting: what was tracked, by segment.  seen: what upright lines of the film show
+    of up, in the world.  motion: as it was saved, for why it is out of date.
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
@@ -83,7 +82,7 @@ def stand(
     if not motions:
         raise SessionError(_why_nothing_stands(session, fitting, motion))
     _require_scale(session, motions)
-    session, up = _levelled(session, motions, lines)
+    session, up = _levelled(session, motions, seen)
     known = len(session.subject.pins)
     pins, raised = _on_floor(session, _contacts(session, motions), motions)
     softened = tuple(
@@ -154,12 +153,12 @@ def _require_standable(session: Session) -> None:
 
 
 def _levelled(
-    session: Session, motions: Mapping[Span, Trajectory], lines: UprightLines | None
+    session: Session, motions: Mapping[Span, Trajectory], seen: UpEvidence | None
 ) -> tuple[Session, UpEstimate]:
     """The session with what is up, and what that rests on."""
     skeleton = Skeleton.of(session.subject.body)
     longest = max(motions.values(), key=len)
-    found = estimated_up(session, motions, lines)
+    found = estimated_up(session, motions, seen)
     if found is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."

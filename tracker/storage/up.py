@@ -9,7 +9,6 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
-from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.up import (
     MOST_APART,
     Disagreement,
@@ -32,25 +31,36 @@ SET_RAD: Final = np.radians(1.0)
 
 
 def estimated_up(
-    session: Session,
-    motions: Mapping[Span, Trajectory],
-    lines: UprightLines | None = None,
-    R_world_camera: Array | None = None,
+    session: Session, motions: Mapping[Span, Trajectory], seen: UpEvidence | None = None
 ) -> UpEstimate | None:
     """Up in the world by all sources that agree, and those that disagree; what somebody set stays
     as it is. None where nothing shows it.
 
-    motions: as tracked, in the world.  lines: of the film, where it was looked for them.
-    R_world_camera: (3, 3) of the camera that sees them; left out where it is the world.
+    motions: as tracked, in the world.  seen: what upright lines of the film show, in the world,
+    where they were looked for.
     """
-    seen = () if lines is None else (lines.evidence.turned(R_world_camera),)
-    evidence = (*seen, *evidence_of_motion(session, motions))
+    evidence = (*(() if seen is None else (seen,)), *evidence_of_motion(session, motions))
     if not session.has_up_of_hand:
         return combined(evidence, HELD_LEVEL)
     known = UpEvidence.of(up_of(session), SET_RAD, "set")
     off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
     apart = tuple(one for one in off if one.sigmas >= MOST_APART)
     return UpEstimate(known.up, known.precision, (known,), apart)
+
+
+def evidence_of_lines(session: Session, lines: Mapping[int, UprightLines]) -> UpEvidence | None:
+    """What upright lines show, in the world, by the frame of a camera that moves in which they are
+    seen. They are those of one place, and lean alike: many frames are no surer than one."""
+    path = session.camera_path
+    some = [
+        one.evidence if path is None
+        else one.evidence.turned(path.Ts_world_camera[frame, :3, :3])
+        for frame, one in lines.items()
+    ]  # fmt: skip
+    found = combined(some)
+    if found is None:
+        return None
+    return UpEvidence(found.up, found.precision / len(found.used), "lines")
 
 
 def evidence_of_motion(

@@ -33,7 +33,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.storage.camera_motion import FoundCamera
 from keypose.tracker.storage.fingerprints import segment_keys, steady_camera
-from keypose.tracker.storage.up import estimated_up
+from keypose.tracker.storage.up import estimated_up, evidence_of_lines
 from tests.app.editor.desk import after
 from tests.tracker import panned_cases as panned
 from tests.tracker import session_cases as cases
@@ -369,10 +369,25 @@ def test_upright_lines_of_any_frame_say_the_same() -> None:
     for frame in (0, 13, 23):
         state = desk(panned.panned(), frame)
         R = T_camera_world(state.doc, frame)[:3, :3]
-        seen = upright(R @ up)
-        estimate = estimated_up(state.doc.with_up(None), {}, seen, R.T)
+        doc = state.doc.with_up(None)
+        estimate = estimated_up(doc, {}, evidence_of_lines(doc, {frame: upright(R @ up)}))
         found, _ = FindUp(b"", "", "", frame).apply(FoundUp(estimate), AppState(edit=state))
         np.testing.assert_allclose(found.editing.doc.world.up_world, up, atol=2e-2)
+
+
+def test_lines_of_many_frames_are_as_sure_as_those_of_one_and_one_that_is_off_is_left_out() -> None:
+    up = exp_rotation(np.radians([14.0, 0.0, 4.0])) @ UP
+    doc = panned.panned()
+    frames = {n: upright(T_camera_world(doc, n)[:3, :3] @ up) for n in (0, 9, 13, 23)}
+    all_of_them, alone = (evidence_of_lines(doc, some) for some in (frames, {9: frames[9]}))
+    assert all_of_them is not None
+    assert alone is not None
+    assert all_of_them.sigma_rad == pytest.approx(alone.sigma_rad, rel=0.01)
+    off = exp_rotation(np.radians([30.0, 0.0, 0.0])) @ frames[9].up_camera
+    found = evidence_of_lines(doc, {**frames, 9: upright(off)})
+    assert found is not None
+    np.testing.assert_allclose(found.up, up, atol=1e-4)
+    assert evidence_of_lines(doc, {}) is None
 
 
 def in_world(doc: Session, frame: int, skeleton: Skeleton = cases.SKELETON) -> np.ndarray:

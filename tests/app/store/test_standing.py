@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.drafted import has_drafts_for_other_up
-from keypose.app.jobs.find_up import FindUp, FoundUp
+from keypose.app.jobs.find_up import FindUp, FoundUp, SeenLines
 from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.stand import StandOnFloor
@@ -28,7 +28,6 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.standing import Standing, stand
-from keypose.tracker.video.upright_lines import UprightLines
 from tests.app.store.test_fitter import Worker
 from tests.scenes import StoreDesk, at_desk, sample
 from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, walk, wandering
@@ -92,9 +91,10 @@ class Desk(StoreDesk):
         return Worker.newest.fits[-1]
 
 
-def standing(doc: Session, at: Desk) -> tuple[Standing, UprightLines]:
+def standing(doc: Session, at: Desk) -> tuple[Standing, SeenLines]:
     """What standing finds, with lines that show what is up."""
-    return stand(doc, at.order.fitting, upright(UP)), upright(UP)
+    seen = SeenLines(upright(UP).evidence, upright(UP))
+    return stand(doc, at.order.fitting, seen.evidence), seen
 
 
 @pytest.fixture

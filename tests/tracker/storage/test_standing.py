@@ -14,6 +14,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.up import UpEvidence
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
@@ -29,7 +30,6 @@ from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.storage.up import estimated_up
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.video.upright_lines import UprightLines
 from tests.tracker.storage.standing_cases import (
     KEYS,
     session_of,
@@ -51,8 +51,8 @@ def session(**changes: Any) -> Session:
     return session_of(SHOWN, MOTION, **changes)
 
 
-def stood(given: Session, lines: UprightLines | None = None) -> Standing:
-    return stand(given, tracked(given, MOTION), lines)
+def stood(given: Session, seen: UpEvidence | None = None) -> Standing:
+    return stand(given, tracked(given, MOTION), seen)
 
 
 def soles(done: Standing) -> Soles:
@@ -108,7 +108,7 @@ def test_pins_that_are_there_stay_and_come_onto_the_floor() -> None:
 
 def test_up_is_what_was_set_or_else_what_all_that_shows_it_agrees_on() -> None:
     assert stood(known()).up.sources == ("set",)
-    both = stood(session(), upright(UP))
+    both = stood(session(), upright(UP).evidence)
     assert both.up.sources[0] == "lines"
     assert both.session.world.up_from == both.up.sources
     np.testing.assert_allclose(both.session.world.up_world, UP, atol=1.5e-2)
@@ -121,10 +121,12 @@ def test_up_is_what_was_set_or_else_what_all_that_shows_it_agrees_on() -> None:
 
 
 def test_up_that_was_found_is_found_anew_and_what_was_set_stays() -> None:
-    once = stood(session(), upright(UP))
-    again = stood(once.session, upright(UP))
+    once = stood(session(), upright(UP).evidence)
+    again = stood(once.session, upright(UP).evidence)
     np.testing.assert_allclose(again.up.up, once.up.up, atol=2e-3)
-    assert stood(known(), upright(-UP @ np.diag([1, 1, -1]))).up.up == pytest.approx(UP, abs=1e-6)
+    assert stood(known(), upright(-UP @ np.diag([1, 1, -1])).evidence).up.up == pytest.approx(
+        UP, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("turned_deg", [0.0, 15.0])
@@ -132,7 +134,7 @@ def test_lines_that_are_far_from_what_was_set_are_named_and_change_nothing(
     turned_deg: float,
 ) -> None:
     other = exp_rotation(np.array([np.radians(turned_deg), 0.0, 0.0])) @ UP
-    done = stood(known(), upright(other))
+    done = stood(known(), upright(other).evidence)
     assert done.session.has_up_of_hand
     named = [one.evidence.source for one in done.up.apart]
     assert named == (["lines"] if turned_deg else [])
@@ -140,7 +142,7 @@ def test_lines_that_are_far_from_what_was_set_are_named_and_change_nothing(
 
 def test_drafts_that_were_balanced_for_an_up_do_not_bear_it_out() -> None:
     drafted = Drafted(first_frame=0, last_frame=90, up_camera=tuple(UP.tolist()))
-    found = estimated_up(session(drafted=drafted), {(0, 90): MOTION}, upright(UP))
+    found = estimated_up(session(drafted=drafted), {(0, 90): MOTION}, upright(UP).evidence)
     assert found is not None
     assert "person" not in [one.source for one in found.used]
 
