@@ -159,6 +159,7 @@ const IN_FILM = [
     tool: 'horizon',
     text: 'Feet stand on one floor only when this is right. Pull the line onto the horizon, where level ground would end.',
     done: isUpKnown,
+    unsure: () => !server.camera.up_is_sure,
     again: true,
     content: upLine,
     choices: [

@@ -276,7 +276,7 @@ function continueButton(step) {
 }
 
 function bar(step, i) {
-  const done = isDone(step);
+  const done = isDone(step) && !step.unsure?.();
   const kind = i === ui.guideStep ? 'c' : '';
   return html`<button
     class="${kind} ${done ? 'd' : ''}"

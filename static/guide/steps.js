@@ -34,6 +34,7 @@ const SIZE = `Hold D and drag the point between the arrows until head and feet m
  * @property {string} [also]  Another of the server's keys that does it as well.
  * @property {() => boolean} [needed]  Where it is of some films alone.
  * @property {() => boolean} [done]  Where the server has no key for it.
+ * @property {() => boolean} [unsure]  Whether what is done is not sure enough for a tick.
  * @property {() => unknown} [content]  More on the card, below the text.
  * @property {() => unknown} [beside]  What stands over the picture meanwhile.
  * @property {(key: string) => boolean} [key]  Keys of its own; whether it was one.
