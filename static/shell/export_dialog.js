@@ -3,6 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { beginExport, cancelExport, furtherOf, notInstalled, whyNoMatte, whyNotExport } from '../actions/exporting.js';
 import { whyNot } from '../actions/actions.js';
+import { cameraFindings } from '../actions/camera.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { dropdown, segmented } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
@@ -68,11 +69,19 @@ function why(options) {
 
 // --- the fields
 
+/** Where nothing tells how far the camera went. */
+function withoutScale() {
+  const found = cameraFindings().filter(({ kind }) => kind === 'no_scale');
+  if (!found.length) return nothing;
+  const frames = found.map(({ first, last }) => `${first}–${last}`).join(', ');
+  return html`<p class="note icons warned">${icon('warn')}<span>Frames ${frames}: the scale of the camera’s path is not known. It is written as if the camera only turned there.</span></p>`;
+}
+
 function fields(exporting) {
   const { what, values } = exporting;
   const set = (changed) => change({ values: { ...values, [what]: { ...values[what], ...changed } } });
   const own = orderFields(EXPORTS[what], values[what], set, furtherOf(exporting));
-  return what === 'motion' ? html`${formats(exporting.format)}${own}` : own;
+  return what === 'motion' ? html`${formats(exporting.format)}${own}${withoutScale()}` : own;
 }
 
 function formats(format) {
