@@ -253,7 +253,8 @@ SECTIONS: dict[str, _Section] = {
 
 
 PLACES: Mapping[str, str] = {
-    **dict.fromkeys(("file", "camera", "camera_motion", "camera_here", "background"), "the camera"),
+    **dict.fromkeys(("file", "camera", "up"), "the camera"),
+    **dict.fromkeys(("camera_motion", "camera_here", "background"), "the camera"),
     **dict.fromkeys(("body", "solids", "sizes_preview"), "the body"),
     **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface", "people"), "the views"),
     **dict.fromkeys(
