@@ -39,14 +39,13 @@ from keypose.app.orders.film import FilmOrder, FilmToDraft
 from keypose.app.words.up import off_deg
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.geometry.up import UnsureUp, combined
+from keypose.tracker.geometry.up import UnsureUp
 from keypose.tracker.session import Session
-from keypose.tracker.space.level import HELD_LEVEL
 from keypose.tracker.storage.camera_motion import with_scale
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.results import load_results
-from keypose.tracker.storage.up import evidence_of_motion, motions_of
+from keypose.tracker.storage.up import estimated_up, evidence_of_motion, motions_of
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 
@@ -186,9 +185,10 @@ def _row(
     hits: Hits,
 ) -> None:
     truth = truth / np.linalg.norm(truth)
-    seen = () if lines is None else (lines.evidence,)
-    evidence = (*seen, *evidence_of_motion(session, motions_of(session, fitting)))
-    found = combined(evidence, HELD_LEVEL)
+    seen = None if lines is None else lines.evidence
+    motions = motions_of(session, fitting)
+    found = estimated_up(session, motions, seen)
+    evidence = (*(() if seen is None else (seen,)), *evidence_of_motion(session, motions))
     said: dict[str, UnsureUp] = {one.source: one for one in evidence}
     said |= {} if found is None else {"all": found}
     for way, one in said.items():

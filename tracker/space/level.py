@@ -97,8 +97,8 @@ def evidence_of_places(p_world: Array, up_world: Array) -> UpEvidence:
 def evidence_of_standing(
     skeleton: Skeleton, motion: Trajectory, stances: Sequence[Pin], lens_spread: float = 0.0
 ) -> tuple[UpEvidence, ...]:
-    """What a person who stands shows of up, by how they are upright and by where feet stand; none
-    where nobody does.
+    """What a person shows of up, by how they are upright over the feet that stand, where they are,
+    and by where feet stand; none where none does.
 
     motion: in the world, metres.  stances: feet that stand still, whole, within it.
     lens_spread: as of `UpEvidence.seen_by_lens`. Depth by a wrong lens tilts the floor, and hardly
@@ -108,9 +108,9 @@ def evidence_of_standing(
         return ()
     Ts = motion.transforms(skeleton)
     person = _evidence_of_balance(skeleton, motion, Ts, stances)
-    if person is None or person.up @ LEVEL_CAMERA < np.cos(MOST_LEAN_RAD):
-        return ()
     places = np.array([_place(skeleton, Ts, stance, motion.first_frame) for stance in stances])
+    if person is None or person.up @ LEVEL_CAMERA < np.cos(MOST_LEAN_RAD):
+        return (evidence_of_places(places, LEVEL_CAMERA).seen_by_lens(lens_spread),)
     return person, evidence_of_places(places, person.up).seen_by_lens(lens_spread)
 
 

@@ -30,6 +30,10 @@ SET_RAD: Final = np.radians(1.0)
 """Of up that somebody set: a horizon is drawn to a few pixels, if it is seen."""
 
 
+MOST_SIGMA_RAD: Final = np.radians(15.0)
+"""Of the surest source. Less sure, it says no more than how cameras are held."""
+
+
 def estimated_up(
     session: Session, motions: Mapping[Span, Trajectory], seen: UpEvidence | None = None
 ) -> UpEstimate | None:
@@ -41,7 +45,8 @@ def estimated_up(
     """
     evidence = (*(() if seen is None else (seen,)), *evidence_of_motion(session, motions))
     if not session.has_up_of_hand:
-        return combined(evidence, HELD_LEVEL)
+        found = combined(evidence, HELD_LEVEL)
+        return found if found is not None and found.used[0].sigma_rad < MOST_SIGMA_RAD else None
     known = UpEvidence.of(up_of(session), SET_RAD, "set")
     off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
     apart = tuple(one for one in off if one.sigmas >= MOST_APART)

@@ -140,6 +140,45 @@ def test_lines_that_are_far_from_what_was_set_are_named_and_change_nothing(
     assert named == (["lines"] if turned_deg else [])
 
 
+def test_what_shows_no_more_than_how_cameras_are_held_is_no_up() -> None:
+    still = Trajectory(0, MOTION.Rs_parent_part[[50] * 91], MOTION.ps_camera_root[[50] * 91])
+    drafted = Drafted(first_frame=0, last_frame=90, up_camera=tuple(UP.tolist()))
+    pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=3, last_frame=60)
+    assert estimated_up(session(drafted=drafted, pins=(pin,)), {(0, 90): still}) is None
+    found = estimated_up(session(pins=(pin,)), {(0, 90): still})
+    assert found is not None
+    assert found.sources[0] == "person"
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 8.0])
+def test_twenty_pinned_stances_all_over_a_floor_show_up_without_anybody_upright(
+    roll_deg: float,
+) -> None:
+    turn = exp_rotation(np.radians([0.0, 0.0, roll_deg]))
+    up, rng = turn @ UP, np.random.default_rng(4)
+    foot = SHOWN.skeleton.body.index("left_foot")
+    R, t = MOTION.writable()
+    R[50, 0] = turn @ R[50, 0]
+    one = Trajectory(0, R[[50]], t[[50]])
+    start = one.transforms(SHOWN.skeleton)[0, foot, :3, 3]
+    across = np.linalg.svd(up[None])[2][1:]
+    floor = -1.6 * up + 6.0 * np.array([0.0, 0.0, 1.0])
+    spots = floor + rng.uniform(-1.5, 1.5, (20, 2)) @ across + rng.normal(0, 0.02, (20, 3))
+    R, t = np.repeat(one.Rs_parent_part, 60, 0), np.repeat(one.ps_camera_root, 60, 0)
+    t = t + np.repeat(spots - start, 3, 0)
+    pins = tuple(
+        Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=3 * n,
+            last_frame=3 * n + 2)
+        for n in range(20)
+    )  # fmt: skip
+    drafted = Drafted(first_frame=0, last_frame=59, up_camera=tuple(UP.tolist()))
+    found = estimated_up(session(drafted=drafted, pins=pins), {(0, 59): Trajectory(0, R, t)})
+    assert found is not None
+    assert found.sources == ("feet",)
+    off_deg = np.degrees(np.arccos(found.up @ up))
+    assert off_deg < 2 * np.degrees(found.sigma_rad) < 6
+
+
 def test_drafts_that_were_balanced_for_an_up_do_not_bear_it_out() -> None:
     drafted = Drafted(first_frame=0, last_frame=90, up_camera=tuple(UP.tolist()))
     found = estimated_up(session(drafted=drafted), {(0, 90): MOTION}, upright(UP).evidence)
