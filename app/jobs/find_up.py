@@ -35,21 +35,24 @@ class FoundUp:
     """What was found of up, until something else is edited.
 
     estimate: in the world; None where nothing shows it.  lines: upright ones that agree, None where
-    few do or nobody looked.  after: the document with it.
+    few do or nobody looked.  frame: in which these are seen, of a camera that moves; None where it
+    stands still.  after: the document with it.
     """
 
     estimate: UpEstimate | None
     lines: UprightLines | None = None
+    frame: int | None = None
     after: Session | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class SeenLines:
     """What upright lines show of up, in the world, and those that are shown; None where few
-    agree."""
+    agree. frame: as of `FoundUp`."""
 
     evidence: UpEvidence | None
     lines: UprightLines | None
+    frame: int | None = None
 
 
 def upright_lines(session: Session, video: Video, frame: int | None = None) -> UprightLines | None:
@@ -82,7 +85,7 @@ def seen_lines(session: Session, video: Video, at: int | None = None) -> SeenLin
     frames += [] if at is None else [at]
     found = {frame: upright_lines(session, video, frame) for frame in dict.fromkeys(frames)}
     known = {frame: lines for frame, lines in found.items() if lines is not None}
-    return SeenLines(evidence_of_lines(session, known), None if at is None else found[at])
+    return SeenLines(evidence_of_lines(session, known), None if at is None else found[at], at)
 
 
 def _spread(session: Session) -> list[int]:
@@ -134,7 +137,7 @@ class FindUp(Fit):
         seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
         free = session.with_up(None)  # asked for anew, whatever was set
         motions = motions_of(free, self.fitting)
-        return FoundUp(estimated_up(free, motions, seen.evidence), seen.lines)
+        return FoundUp(estimated_up(free, motions, seen.evidence), seen.lines, seen.frame)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return *filmed_by(doc), doc.world.up_world, doc.world.up_from

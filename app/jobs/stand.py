@@ -110,5 +110,7 @@ class StandOnFloor(Fit):
         )
         fields["keyframes"] = tuple(keyframes)  # those that stay are the same
         after = edit.with_step(edit.doc.changed(fields), LABEL)
-        up = FoundUp(done.up, seen.lines, after.doc) if done.up.apart else None  # to choose from
+        up = (
+            FoundUp(done.up, seen.lines, seen.frame, after.doc) if done.up.apart else None
+        )  # to choose from
         return replace(state, edit=after, up=up), standing_words(done)

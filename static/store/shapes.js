@@ -437,6 +437,7 @@
 /**
  * @typedef {object} FoundUp  What was found of the up direction, until something else is edited.
  * @property {string} words
+ * @property {number | null} frame  In which the lines are seen; null where the camera stands still.
  * @property {[Spot, Spot][]} lines  Upright ones that agree, pixels.
  * @property {UpChoice[]} choices  Where ways disagree; none where they do not.
  */

@@ -291,7 +291,7 @@ def test_of_a_thing_the_guide_leads_to_its_sizes_and_its_corners(page: Page) -> 
 
 _FOUND = """async () => {
   const { applySections } = await window.keypose.module('store/state.js');
-  applySections({ up: { words: 'Upright lines say 3°, how the person stands says 12°.',
+  applySections({ up: { frame: null, words: 'Upright lines say 3°, how the person stands says 12°.',
     lines: [[[40, 20], [42, 90]], [[90, 20], [91, 80]]], choices: [
     { label: 'Take upright lines', source: 'lines', up: [0, -0.99863, -0.05234], sigma_deg: 1 },
     { label: 'Take how the person stands', source: 'person', sigma_deg: 1.5,

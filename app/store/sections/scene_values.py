@@ -146,6 +146,7 @@ def found_up(app_state: AppState) -> Json:
     rivals = [estimate.used[0], *(one.evidence for one in estimate.apart)] if estimate.apart else []
     return {
         "words": up_words(estimate),
+        "frame": found.frame,
         "lines": [] if found.lines is None else found.lines.ends.round(1).tolist(),
         "choices": [
             {
