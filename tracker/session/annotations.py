@@ -12,10 +12,11 @@ from pydantic import Field, FiniteFloat, model_validator
 from keypose.tracker.body.body import Body, Name
 from keypose.tracker.session.settings import FrameIndex, Pixel, Plain, Position, is_unknown
 
-Reason: TypeAlias = Literal["start", "end", "pose", "residual", "hidden", "flip", "person"]
+Reason: TypeAlias = Literal["start", "end", "pose", "residual", "hidden", "flip", "wrong", "person"]
 """Why a draft should be confirmed: the first or the last one of a stretch; a pose unlike those of
 the other drafts to confirm; joints lie far from their keypoints; joints are hidden; a limb may
-point toward the camera or away from it; the person may be another one from here on."""
+point toward the camera or away from it; a limb is wrong and has to be corrected; the person may be
+another one from here on."""
 
 
 LEARN_FRAMES: Final = 60
@@ -46,6 +47,13 @@ class DraftPlace(Plain):
     )
 
 
+class FlippedDrafts(FrameRun):
+    """Drafts of which a limb is wrong: it neither lies on its keypoints nor follows from the drafts
+    before and after."""
+
+    parts: tuple[Name, ...] = Field(description="The upper part of each such limb.")
+
+
 class DraftRest(Plain):
     """Frames that a draft was cancelled before: asked for, and not looked at."""
 
@@ -57,7 +65,8 @@ class DraftRest(Plain):
 
 
 class Drafted(Plain):
-    """Of the frames that were drafted: those without a draft, and the drafts to confirm."""
+    """Of the frames that were drafted: those without a draft, the drafts to confirm, and those that
+    are wrong."""
 
     first_frame: FrameIndex
     last_frame: FrameIndex
@@ -68,6 +77,12 @@ class Drafted(Plain):
     )
     missing: tuple[FrameRun, ...] = Field(default=(), description="Frames where nobody was found.")
     places: tuple[DraftPlace, ...] = ()
+    flipped: tuple[FlippedDrafts, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Drafts that are known to be wrong, which become keyframes only once somebody "
+        "has posed them; left out where there are none.",
+    )
     rest: DraftRest | None = Field(
         default=None,
         exclude_if=is_unknown,

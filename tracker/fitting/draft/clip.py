@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import has_clavicles, height, with_clavicles, without_clavicles
@@ -25,6 +25,15 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.fitting.draft.balance import balanced
 from keypose.tracker.fitting.draft.depth_signs import consistent_sides, pointing, turned
 from keypose.tracker.fitting.draft.first_poses import first_pose, with_proportions
+from keypose.tracker.fitting.draft.flips import (
+    AGREES,
+    LimbRun,
+    bridged,
+    can_be_bridged,
+    flipped_runs,
+    keypoints_of,
+    misses,
+)
 from keypose.tracker.fitting.draft.judged import JudgedDrafts, Piece, judged
 from keypose.tracker.fitting.draft.observed import Joints, Observed, turning_ends, unit
 from keypose.tracker.fitting.draft.proposals import Proposal
@@ -38,12 +47,15 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.keypoints.region import Box
+from keypose.tracker.session.annotations import FlippedDrafts
 from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.scene import Scene
 
 WORSE = 1.1
 """Limbs stay as drafted where turning them in depth costs so many times more: what limits and the
 picture do not bear. Less than that decides nothing: both sides look the same."""
+ROUNDS = 2
+"""In which limbs that lie far beside their keypoints are bridged: one may have hidden another."""
 FEW_POINTS = 0.1
 """Density of points on the body's surface, none of which is looked at here."""
 
@@ -63,7 +75,8 @@ class ClipDraft:
 
     body: with the person's proportions.  poses: by frame, of that body; none where nobody is seen
     well enough.  keypoints: those of all frames looked at, as the network found them.
-    proposals: the drafts to confirm as keyframes.  judged: what that was decided by.
+    proposals: the drafts to confirm as keyframes.  flipped: drafts of which a limb is wrong, none
+    of them proposed.  judged: what both were decided by.
     """
 
     body: Body
@@ -71,6 +84,7 @@ class ClipDraft:
     keypoints: Keypoints
     proposals: tuple[Proposal, ...]
     judged: JudgedDrafts
+    flipped: tuple[FlippedDrafts, ...] = ()
 
 
 def draft_clip(
@@ -162,16 +176,27 @@ def draft_from_keypoints(
         body = with_proportions(body, observed)
     if lifter is not None:
         observed = Observed.of(lifter.of(seen, body), camera, changes)
-    if up_world is not None:
+
+    def in_balance(seen: Observed) -> Observed:
+        if up_world is None:
+            return seen
         up = unit(np.asarray(up_world, dtype=np.float64))
         if path is not None:
-            Ts = path.Ts_camera_world[keypoints.first_frame : keypoints.last_frame + 1]
+            Ts = path.Ts_camera_world[seen.first_frame : seen.first_frame + len(seen)]
             up = Ts[:, :3, :3] @ up
-        observed = balanced(observed, ideal, up)
+        return balanced(seen, ideal, up)
+
+    def lifted(seen: Observed) -> Observed:
+        if lifter is None:
+            return seen
+        found = replace(lifter, camera=ideal).of(seen.keypoints(), body)
+        return seen.with_depth_of(in_balance(Observed.of(found, ideal)))
+
+    observed = in_balance(observed)
     runs = observed.runs()
     if not runs:
         raise _nowhere()
-    work = _DraftRun(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
+    work = _DraftRun(Skeleton.of(body), ideal, lifted, report, int(observed.usable.sum()))
     pieces = [work.run(observed.rows(run)) for run in runs]
     return _draft(work, body, keypoints, pieces)
 
@@ -195,6 +220,7 @@ class _DraftRun:
 
     skeleton: Skeleton
     camera: Camera
+    lifted: Callable[[Observed], Observed]
     report: Callable[[DraftProgress], None]
     expected: int
     done: int = 0
@@ -212,13 +238,44 @@ class _DraftRun:
         pixels = height_px(self.skeleton, self.camera, middle(found.motion))
         other = consistent_sides(seen, pixels, height(self.skeleton.body))
         if other is not None:
-            found = min(found, self._solved(other), key=lambda one: one.cost)
+            found = min(found, self._solved(self.lifted(other)), key=lambda one: one.cost)
         depth = found.problem.depth
         if not found.seen.is_lifted:
             found = self._turned(found)
+        found, flipped = self._without_flips(found)
         motion = self._with_ends(found)
         self.done += int(seen.usable.sum())
-        return Piece(found.seen, motion, depth)
+        return Piece(found.seen, motion, depth, flipped)
+
+    def _without_flips(self, found: _Solved) -> tuple[_Solved, tuple[LimbRun, ...]]:
+        """Draft flipped limbs again from the poses before and after, and say which are wrong still.
+
+        Where keypoints are right, poses that begin on the way from before to after come to lie on
+        them. Where these still do not, the limb's keypoints are not believed there, but for those
+        that the poses then found without them agree with.
+        """
+        joints = Joints.of(with_free_joints(self.skeleton))
+
+        def flipped(solved: _Solved) -> tuple[LimbRun, ...]:
+            return flipped_runs(joints, self.camera, solved.believed, solved.motion)
+
+        runs = flipped(found)
+        if not runs:
+            return found, ()
+        found = min(found, self._solved(found.seen, runs), key=lambda one: one.cost)
+        wrong: list[LimbRun] = []
+        for _ in range(ROUNDS):
+            runs = can_be_bridged(joints, found.motion, flipped(found))
+            if not runs:
+                break
+            wrong += runs
+            found = self._solved(found.seen, wrong, keypoints_of(joints, wrong, len(found.seen)))
+        if wrong:
+            away = misses(joints, self.camera, found.seen, found.motion)
+            disbelieved = keypoints_of(joints, wrong, len(found.seen))
+            disbelieved[:, : len(JOINTS)] &= ~(away < AGREES)
+            found = self._solved(found.seen, wrong, disbelieved)
+        return found, flipped(found)
 
     def _turned(self, found: _Solved) -> _Solved:
         """Turn bones in depth where the whole stretch says so, unless all terms together agree with
@@ -240,12 +297,29 @@ class _DraftRun:
         together = with_limbs(list(alone)) if 1 < len(alone) < len(limbs) else None
         return together or min(alone.values(), key=lambda one: one.cost, default=found)
 
-    def _solved(self, seen: Observed) -> _Solved:
+    def _solved(
+        self,
+        seen: Observed,
+        bridge: Sequence[LimbRun] = (),
+        disbelieved: NDArray[np.bool_] | None = None,
+    ) -> _Solved:
+        """The poses nearest to all keypoints but those that jump or are not believed, which neither
+        depth nor the first poses follow.
+
+        bridge: limbs that begin on the way from the pose before to the one after.
+        """
         joints = Joints.of(with_free_joints(self.skeleton))
-        first = self._first(joints, seen)
-        scene, steady = self._scene(joints.skeleton, first), self._without_jumps(seen, first)
-        motion = Whole.of_joints(scene, joints, steady, first).solve(self._report)
-        return _Solved(seen, Whole.of_joints(scene, joints, seen, first), motion)
+        believed = seen if disbelieved is None else seen.without(disbelieved)
+        first = self._first(joints, believed)
+        believed = self._without_jumps(believed, first)
+        if (believed.known != seen.known).any():
+            anew = self.lifted(believed)
+            seen, believed = seen.with_depth_of(anew), believed.with_depth_of(anew)
+            first = self._first(joints, believed)
+        first = bridged(joints, first, bridge)
+        scene = self._scene(joints.skeleton, first)
+        motion = Whole.of_joints(scene, joints, believed, first).solve(self._report)
+        return _Solved(seen, believed, Whole.of_joints(scene, joints, seen, first), motion)
 
     def _without_jumps(self, seen: Observed, motion: Trajectory) -> Observed:
         """Return what poses are found from: without keypoints that jump."""
@@ -258,7 +332,7 @@ class _DraftRun:
         if not len(joints.ends[0]):
             return found.motion
         scene = self._scene(skeleton, found.motion)
-        seen = self._without_jumps(found.seen, found.motion)
+        seen = self._without_jumps(found.believed, found.motion)
         problem = Whole.of_ends(scene, joints, seen, found.motion)
         return problem.solve_turns(lambda done: self._report(int(found.seen.usable.sum())))
 
@@ -288,10 +362,12 @@ class _DraftRun:
 class _Solved:
     """A stretch with its poses.
 
+    believed: what poses were found from.
     problem: everything that is seen there, also what jumps and no pose was found from.
     """
 
     seen: Observed
+    believed: Observed
     problem: Whole
     motion: Trajectory
 
@@ -331,4 +407,4 @@ def _draft(work: _DraftRun, body: Body, keypoints: Keypoints, pieces: list[Piece
         for frame in range(piece.motion.first_frame, piece.motion.last_frame + 1)
     }
     poses = {frame: motions[frame].pose(frame) for frame in found.frames}
-    return ClipDraft(body, poses, keypoints, found.proposals(), found)
+    return ClipDraft(body, poses, keypoints, found.proposals(), found, found.flipped_drafts())

@@ -9,24 +9,26 @@ points the same way: a bone that is mirrored stays so until it passes through th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import expit
 
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.depth_signs import PLANE, tilt
+from keypose.tracker.fitting.draft.flips import LimbRun
 from keypose.tracker.fitting.draft.observed import SIDES, Bone, Joints, Observed, place_of
 from keypose.tracker.fitting.draft.proposals import FrameRange, Proposal, proposed
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import height_px
-from keypose.tracker.session.annotations import Reason
+from keypose.tracker.session.annotations import FlippedDrafts, Reason
 from keypose.tracker.solver.posed import image_points
 
 NEAR_FRAMES = 10
@@ -99,6 +101,8 @@ class JudgedDrafts:
     body's height.  hidden (F, 4): 1 less the visibility of its worst joint.
     flips (F, 4): doubt that it points the right way, toward the camera or away, from 0 to 1.
     joints (F, 12, 3): seen from the middle of the hips, as shares of the body's height.
+    flipped (F, 4): limbs that are wrong: they neither lie on their keypoints nor follow from the
+    drafts before and after.
     """
 
     frames: tuple[int, ...]
@@ -108,24 +112,55 @@ class JudgedDrafts:
     hidden: Array
     flips: Array
     joints: Array
+    flipped: NDArray[np.bool_]
 
     def proposals(self) -> tuple[Proposal, ...]:
-        """The drafts to confirm."""
+        """The drafts to confirm, and one to correct of each run that is known to be wrong."""
+        sound = np.flatnonzero(~self.flipped.any(axis=1))
+        frames = [self.frames[n] for n in sound]
         doubts: dict[Reason, Array] = {
-            "residual": self.residual, "hidden": self.hidden, "flip": self.flips
+            "residual": self.residual[sound], "hidden": self.hidden[sound],
+            "flip": self.flips[sound],
         }  # fmt: skip
-        return proposed(list(self.frames), self.stretches, doubts, self.parts, self.joints)
+        stretches = [one for s in self.stretches if (one := _sound_part(s, frames)) is not None]
+        found = proposed(frames, stretches, doubts, self.parts, self.joints[sound])
+        return tuple(sorted((*found, *self._to_correct()), key=lambda one: one.frame))
+
+    def _to_correct(self) -> Iterator[Proposal]:
+        for run in self.flipped_drafts():
+            yield Proposal((run.first_frame + run.last_frame) // 2, "wrong", run.parts)
+
+    def flipped_drafts(self) -> tuple[FlippedDrafts, ...]:
+        """Runs of frames in which the same limbs are wrong."""
+        out: list[FlippedDrafts] = []
+        for frame, wrong in zip(self.frames, self.flipped, strict=True):
+            parts = tuple(p for p, is_wrong in zip(self.parts, wrong, strict=True) if is_wrong)
+            if not parts:
+                continue
+            first = frame
+            if out and (out[-1].last_frame, out[-1].parts) == (frame - 1, parts):
+                first = out.pop().first_frame
+            out.append(FlippedDrafts(first_frame=first, last_frame=frame, parts=parts))
+        return tuple(out)
+
+
+def _sound_part(stretch: FrameRange, sound: Sequence[int]) -> FrameRange | None:
+    """A stretch from its first to its last frame that is sound; None where none is."""
+    inside = [frame for frame in sound if stretch.first <= frame <= stretch.last]
+    return FrameRange(inside[0], inside[-1], stretch.begins) if inside else None
 
 
 class Piece(NamedTuple):
     """A stretch of N frames with its poses.
 
     depth_m (N, 12): how much farther than the root the network sees each joint.
+    flipped: limbs that neither lie on their keypoints nor follow from the poses before and after.
     """
 
     seen: Observed
     motion: Trajectory
     depth_m: Array
+    flipped: tuple[LimbRun, ...] = ()
 
 
 def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> JudgedDrafts:
@@ -139,18 +174,26 @@ def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> Judge
         tuple(stretch for piece in found for stretch in piece.stretches),
         names,
         *(
-            np.concatenate([np.zeros((0, *shape)), *(getattr(piece, name) for piece in found)])
-            for name, shape in _SHAPES.items()
+            np.concatenate(
+                [np.zeros((0, *shape), kind), *(getattr(piece, name) for piece in found)]
+            )
+            for name, (shape, kind) in _SHAPES.items()
         ),
     )
 
 
-_SHAPES = {"residual": (4,), "hidden": (4,), "flips": (4,), "joints": (len(JOINTS), 3)}
+_SHAPES: Final = {
+    "residual": ((4,), np.float64),
+    "hidden": ((4,), np.float64),
+    "flips": ((4,), np.float64),
+    "joints": ((len(JOINTS), 3), np.float64),
+    "flipped": ((4,), np.bool_),
+}
 """Of what is known of every frame."""
 
 
 def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
-    skeleton, (seen, motion, depth_m) = joints.skeleton, piece
+    skeleton, (seen, motion, depth_m, flipped) = joints.skeleton, piece
     Ts = motion.transforms(skeleton)
     p = joints.seen.at(Ts)
     uv = image_points(camera, p)
@@ -171,8 +214,11 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
     whole = (FrameRange(numbers[0], numbers[-1], begins),) if numbers else ()
     hips = [place_of(side, "hip") for side in SIDES]
     from_hips = (p - p[:, hips].mean(axis=1, keepdims=True)) / height(skeleton.body)
+    wrong = np.zeros(own.shape, np.bool_)
+    for run in flipped:
+        wrong[run.rows, run.limb] = True
     return JudgedDrafts(
-        numbers, whole, (), own[rows], hidden[rows], flips[rows], from_hips[rows]
+        numbers, whole, (), own[rows], hidden[rows], flips[rows], from_hips[rows], wrong[rows]
     )  # fmt: skip
 
 

@@ -257,9 +257,21 @@ class Observed:
         """Mark as unknown the keypoints that are outliers for a few frames. height_px: of
         the body.
         """
-        away = excursions(self.uv, self.known, height_px, POINTS, self.p_hips)
-        known = self.known & ~away
+        return self.without(excursions(self.uv, self.known, height_px, POINTS, self.p_hips))
+
+    def without(self, disbelieved: NDArray[np.bool_]) -> Observed:
+        """Mark some of the keypoints (N, K) as unknown."""
+        known = self.known & ~disbelieved
         return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
+
+    def with_depth_of(self, other: Observed) -> Observed:
+        """Take over where keypoints are in space."""
+        return replace(self, p_hips=other.p_hips, depth_sigma_m=other.depth_sigma_m)
+
+    def keypoints(self) -> Keypoints:
+        """The same as keypoints of an ideal lens, unseen where unknown."""
+        uv = np.where(self.known[..., None], self.uv, np.nan)
+        return Keypoints(self.first_frame, POINTS, uv, self.visibility, self.p_hips)
 
     def bridged(self, rest: Array) -> Array:
         """(N, 12, 3) the joints' p_hips: where a joint is not known, linear between the frames
