@@ -14,7 +14,7 @@ from keypose.app.cli.arguments import film_orders_of, is_session_named, session_
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.document.folder_lock import locked
-from keypose.app.editor.drafted import proposed_frames, with_accepted
+from keypose.app.editor.drafted import flipped_drafts, proposed_frames, with_accepted
 from keypose.app.jobs.draft import Drafted, drafted
 from keypose.app.jobs.film_session import (
     WhoIsDrafted,
@@ -28,7 +28,7 @@ from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats
 from keypose.app.orders.film import FilmToDraft
 from keypose.app.words.jobs import about_words
-from keypose.app.words.people import accepted_words, found_person_words
+from keypose.app.words.people import accepted_words, flipped_words, found_person_words
 from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 from keypose.tracker.keypoints.model_files import find_model
@@ -49,6 +49,7 @@ _REASONS = {
     "residual": "joints lie beside their keypoints",
     "hidden": "joints are hidden",
     "flip": "may point the other way in depth",
+    "wrong": "wrong, to be corrected",
     "person": "may be another person from here on",
 }
 
@@ -98,14 +99,18 @@ def _accept_drafts(arguments: argparse.Namespace) -> int:
     path = session_file(str(arguments.video))
     with locked(path, "close it there first"):
         session = load_session(path)
-        accepted = proposed_frames(session)
+        accepted, flipped = proposed_frames(session), flipped_drafts(session)
         if not accepted:
             raise SessionError(f"{path.name} has no drafts to accept: draft its film first.")
         save_session(with_accepted(session, accepted), path)
     if arguments.json:
-        print_json({"event": "finished", "accepted": list(accepted), "session": str(path)})
+        wrong = [run.model_dump() for run in flipped]
+        finished = {"event": "finished", "accepted": list(accepted), "flipped": wrong}
+        print_json({**finished, "session": str(path)})
         return DONE
     print(accepted_words(accepted))
+    if flipped:
+        print(flipped_words(flipped))
     print(f"Written: {path}")
     return DONE
 
@@ -219,6 +224,8 @@ def _print(
         about = ", ".join(part.replace("_", " ") for part in proposal.parts)
         words = f"{about}: {_REASONS[proposal.reason]}" if about else _REASONS[proposal.reason]
         print(f"  frame {proposal.frame}: {words}")
+    if draft.flipped:
+        print(flipped_words(draft.flipped))
     for path in (keypoints, place):
         print(f"Written: {path}")
 
@@ -235,4 +242,5 @@ def _facts(draft: ClipDraft, frames: tuple[int, int], detected: tuple[int, int])
         "missing": missing,
         "left": sorted(left),
         "proposals": proposals,
+        "flipped": [run.model_dump() for run in draft.flipped],
     }

@@ -92,9 +92,11 @@ def drafted_session(
     up_camera: Position | None,
     only: Collection[int] | None = None,
     rest: record.DraftRest | None = None,
+    flipped: Sequence[record.FlippedDrafts] = (),
 ) -> Session:
     """Replace the drafts from the first to the last of the frames by these, and what was found
-    besides: where nobody was, and which to confirm. up_camera: what was known to be up.
+    besides: where nobody was, which to confirm, and which are wrong. up_camera: what was known
+    to be up.
 
     Keyframes stay, and so do imported keypoints; what was tracked ahead does not.
     only: the frames to replace drafts of, all where left out.  rest: what is left to draft; what
@@ -109,7 +111,7 @@ def drafted_session(
         for frame, pose in poses.items()
         if frame in taken and frame not in keyed
     ]
-    found = _record(doc, frames, taken, poses, proposals, rest, up_camera)
+    found = _record(doc, frames, taken, poses, proposals, rest, up_camera, flipped)
     update: dict[str, object] = {"body": body, "drafted": found}
     update |= {} if doc.view.given_keypoints else {"keypoints": keypoints}
     return with_drafts(doc.changed(update), drafts)
@@ -121,10 +123,20 @@ def accepted_draft(draft: Keyframe) -> Keyframe:
 
 
 def proposed_frames(doc: Session) -> tuple[int, ...]:
-    """Frames of the drafts that were proposed to be confirmed and are drafts still, ascending."""
+    """Frames of the drafts that were proposed to be confirmed and are drafts still, ascending, but
+    those of which a limb is wrong."""
     places = () if doc.subject.drafted is None else doc.subject.drafted.places
     drafts = {draft.frame for draft in doc.subject.drafts}
-    return tuple(sorted({place.frame for place in places} & drafts))
+    wrong = frames_of(flipped_drafts(doc))
+    return tuple(sorted(({place.frame for place in places} & drafts).difference(wrong)))
+
+
+def flipped_drafts(doc: Session) -> tuple[record.FlippedDrafts, ...]:
+    """Runs of drafts that are known to be wrong and that nobody has posed since, by frame."""
+    drafts = {draft.frame for draft in doc.subject.drafts if draft.drafted}
+    runs = () if doc.subject.drafted is None else doc.subject.drafted.flipped
+    left = _by_frame(runs, drafts)
+    return tuple(sorted(_flipped_runs(left), key=lambda run: (run.first_frame, run.parts)))
 
 
 def with_accepted(doc: Session, frames: Collection[int]) -> Session:
@@ -201,6 +213,7 @@ def _record(
     proposals: Sequence[Proposal],
     rest: record.DraftRest | None,
     up_camera: Position | None,
+    flipped: Sequence[record.FlippedDrafts],
 ) -> record.Drafted:
     """Return what was found in the frames taken over, and before in others: as long as there are
     drafts of these, what is up is as they had it."""
@@ -213,7 +226,9 @@ def _record(
         for p in proposals
         if p.frame in taken
     ]
+    wrong = _by_frame(flipped, taken)
     if doc.subject.drafted is not None:
+        wrong |= _by_frame(doc.subject.drafted.flipped, _other_frames(doc.subject.drafted, taken))
         missing |= {f for f in missing_frames(doc.subject.drafted) if f not in taken}
         places += [p for p in doc.subject.drafted.places if p.frame not in taken]
     return record.Drafted(
@@ -222,8 +237,27 @@ def _record(
         up_camera=up_camera,
         missing=tuple(frame_runs(missing)),
         places=tuple(sorted(places, key=lambda place: place.frame)),
+        flipped=tuple(_flipped_runs(wrong)),
         rest=rest or _left_before(doc, taken),
     )
+
+
+def _by_frame(
+    runs: Iterable[record.FlippedDrafts], frames: Collection[int]
+) -> dict[int, tuple[str, ...]]:
+    """The parts that are wrong, by frame, of some frames."""
+    return {frame: run.parts for run in runs for frame in frames_of([run]) if frame in frames}
+
+
+def _other_frames(drafted: record.Drafted, taken: Collection[int]) -> Collection[int]:
+    return {frame for frame in frames_of(drafted.flipped) if frame not in taken}
+
+
+def _flipped_runs(wrong: Mapping[int, tuple[str, ...]]) -> Iterator[record.FlippedDrafts]:
+    """Runs of consecutive frames of which the same parts are wrong."""
+    for parts in sorted(set(wrong.values())):
+        for run in frame_runs(frame for frame, own in wrong.items() if own == parts):
+            yield record.FlippedDrafts(**run.model_dump(), parts=parts)
 
 
 def _left_before(doc: Session, taken: Collection[int]) -> record.DraftRest | None:
@@ -314,8 +348,9 @@ def with_clip_drafted(
     up_camera: Position | None = None,
     only: Collection[int] | None = None,
     rest: record.DraftRest | None = None,
+    flipped: Sequence[record.FlippedDrafts] = (),
 ) -> EditorState:
     """Take over the drafts of a clip, as one step; see `drafted_session`."""
     given = (frames, body, poses, keypoints, proposals)
-    doc = drafted_session(state.doc, *given, state.times_s, up_camera, only, rest)
+    doc = drafted_session(state.doc, *given, state.times_s, up_camera, only, rest, flipped)
     return state.with_step(doc, LABEL)

@@ -20,7 +20,7 @@ from keypose.app.editor.documents import (
     with_part_keyframes,
     without,
 )
-from keypose.app.editor.drafted import with_accepted
+from keypose.app.editor.drafted import flipped_drafts, with_accepted
 from keypose.app.editor.frames import T_camera_world, carried_pose, up_in_world
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
@@ -29,6 +29,7 @@ from keypose.app.editor.shown import find, require_keyframe, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import with_angles
 from keypose.app.posing.gesture import Axis
+from keypose.app.words.people import flipped_place
 from keypose.tracker.body.body import Name
 from keypose.tracker.errors import listed
 from keypose.tracker.geometry.camera_path import rigid_inverse
@@ -58,6 +59,7 @@ def with_key_added(state: EditorState, frame: int) -> Session:
         return state.doc
     require_before_camera(state.skeleton, stands.pose)
     if stands.source == "draft":
+        _require_sound_draft(state.doc, frame)
         return with_accepted(state.doc, {frame})
     keyframe = keyframe_of(state.skeleton, stands.pose, frame, state.times_s)
     # one as tracked gives way in depth, where the motion is smoothed in space anyway
@@ -65,6 +67,16 @@ def with_key_added(state: EditorState, frame: int) -> Session:
     keyframe = softened(keyframe, "depth" if gives_way else False)
     doc = with_keyframes(state.doc, (*without(state.doc.subject.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.subject.drafts, frame))
+
+
+def _require_sound_draft(doc: Session, frame: int) -> None:
+    """Refused where a limb of the draft is known to be wrong and nobody has posed it since."""
+    for run in flipped_drafts(doc):
+        if run.first_frame <= frame <= run.last_frame:
+            raise ActionRefused(
+                f"This draft is wrong ({flipped_place(run)}): drag the limb into place before you "
+                "key it."
+            )
 
 
 class DeleteKey(Edit):

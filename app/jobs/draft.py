@@ -273,7 +273,9 @@ class DraftClip(Fit):
             edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
         )
         given = (draft.body, draft.poses, referring.view.keypoints, draft.proposals)
-        return with_clip_drafted(edit, self.frames, *given, self.up_camera, only, rest)
+        return with_clip_drafted(
+            edit, self.frames, *given, self.up_camera, only, rest, draft.flipped
+        )
 
 
 def taken_and_left(

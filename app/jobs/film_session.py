@@ -145,4 +145,6 @@ def with_draft_kept(
     )
     times_s = session.evidence.times_s(video.info.times_s)
     given = (draft.body, draft.poses, session.view.keypoints, draft.proposals, times_s)
-    return drafted_session(session, frames, *given, session.world.up_world, only, rest)
+    return drafted_session(
+        session, frames, *given, session.world.up_world, only, rest, draft.flipped
+    )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from keypose.tracker.errors import listed, readable
 from keypose.tracker.keypoints.find_people import PeopleInFilm
 from keypose.tracker.keypoints.region import Box
+from keypose.tracker.session.annotations import FlippedDrafts
 
 MOST_NAMED: Final = 12
 """Frames that a sentence lists one by one."""
@@ -68,6 +70,22 @@ def undrafted_words(frames: Sequence[int]) -> str:
     if not frames:
         return ""
     return f"The person was not seen well enough at {len(frames)} frames: {_listed(frames)}."
+
+
+def flipped_words(runs: Sequence[FlippedDrafts]) -> str:
+    """Say which drafts are wrong and become no keyframes therefore; empty where there are none."""
+    if not runs:
+        return ""
+    named = "; ".join(flipped_place(run) for run in runs[:MOST_NAMED])
+    more = f"; and {len(runs) - MOST_NAMED} more" if len(runs) > MOST_NAMED else ""
+    return f"Drafts that are wrong, none of which becomes a keyframe unless posed: {named}{more}."
+
+
+def flipped_place(run: FlippedDrafts) -> str:
+    """ "left thigh, frames 16–23"."""
+    first, last = run.first_frame, run.last_frame
+    frames = f"frame {first}" if first == last else f"frames {first}–{last}"
+    return f"{listed([readable(part) for part in run.parts])}, {frames}"
 
 
 def another_person_words(frames: Sequence[int]) -> str:

@@ -23,6 +23,7 @@ _DRAFTS: Final[Mapping[Reason, Callable[[str], str]]] = {
     "residual": lambda part: f"{part} may be off",
     "hidden": lambda part: f"{part} hidden",
     "flip": lambda part: f"{part} may point the other way",
+    "wrong": lambda part: f"{part} is wrong: correct it",
     "person": lambda _: "may be another person from here on",
 }
 

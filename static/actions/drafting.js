@@ -89,6 +89,7 @@ const REASONS = {
   residual: (parts) => `${parts} may be off`,
   hidden: (parts) => `${parts} hidden`,
   flip: (parts) => `${parts} may point the other way`,
+  wrong: (parts) => `${parts} is wrong: correct it`,
   person: () => 'may be another person from here on',
 };
 

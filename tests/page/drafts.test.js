@@ -78,7 +78,7 @@ test('a draft is of the frames that were chosen, and its box lies on one of them
 });
 
 test('every reason is a sentence of its own', () => {
-  const reasons = ['start', 'end', 'residual', 'hidden', 'flip', 'person', 'pose'];
+  const reasons = ['start', 'end', 'residual', 'hidden', 'flip', 'wrong', 'person', 'pose'];
   const said = reasons.map((reason) => reasonOf({ frame: 1, reason, parts: ['Left shin'] }));
   assert.equal(new Set(said).size, reasons.length);
   for (const words of said) assert.match(words, /^[A-Z]/);

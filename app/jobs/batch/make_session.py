@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from keypose.app.editor.drafted import (
+    flipped_drafts,
     missing_frames,
     proposed_frames,
     require_draftable,
@@ -42,6 +43,7 @@ from keypose.app.words.people import (
     accepted_words,
     another_person_words,
     assumed_words,
+    flipped_words,
     found_person_words,
     undrafted_words,
 )
@@ -231,6 +233,7 @@ def _accept(session: Session, path: Path, record: _Record) -> None:
             "frames."
         )
     record = record.with_note(accepted_words(frames))
+    record = record.with_note(flipped_words(flipped_drafts(session)))
     record = record.with_note(undrafted_words(missing_frames(drafted)))
     others = [place.frame for place in drafted.places if place.reason == "person"]
     record = record.with_note(another_person_words(others))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.app.editor.drafted import flipped_drafts, proposed_frames
 from keypose.app.jobs.draft import DraftClip, Drafted, progress_of
 from keypose.app.jobs.job import Progress
 from keypose.app.store import runner, store
@@ -22,6 +23,7 @@ from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
+from keypose.tracker.session.annotations import FlippedDrafts
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, segment_keys
@@ -58,14 +60,20 @@ class Desk(StoreDesk):
         assert isinstance(order, DraftClip)
         return order
 
-    def find(self, *frames: int, detected: tuple[int, int] | None = None) -> None:
-        """The draft ends with poses at these frames. detected: in those alone, once cancelled."""
+    def find(
+        self,
+        *frames: int,
+        detected: tuple[int, int] | None = None,
+        flipped: tuple[FlippedDrafts, ...] = (),
+    ) -> None:
+        """The draft ends with poses at these frames. detected: in those alone, once cancelled.
+        flipped: those of which a limb is wrong."""
         pose = Pose.rest(Skeleton.of(BODY), (0.0, 0.0, 4.0))
         rows = np.full((5, len(JOINTS), 2), 7.0)
         keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
         proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
         judged: Any = None
-        draft = ClipDraft(BODY, dict.fromkeys(frames, pose), keypoints, proposals, judged)
+        draft = ClipDraft(BODY, dict.fromkeys(frames, pose), keypoints, proposals, judged, flipped)
         Worker.newest.end(Drafted(draft, "abc", detected))
 
     def move_drafts(self, by_m: float) -> None:
@@ -130,6 +138,21 @@ async def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path
         assert [draft.frame for draft in desk.doc.subject.drafts] == [3, 4]
     (session,) = film.parent.glob("*/session.json")
     assert load_session(session).view.keypoints is not None
+
+
+async def test_a_draft_that_is_wrong_becomes_a_keyframe_only_once_it_was_posed(desk: Desk) -> None:
+    desk.do(DRAFT)
+    wrong = FlippedDrafts(first_frame=3, last_frame=5, parts=("left_thigh",))
+    desk.find(3, 4, 5, 9, flipped=(wrong,))
+    assert proposed_frames(desk.doc) == (9,)
+    assert flipped_drafts(desk.doc) == (wrong,)
+    desk.do({"do": "go", "frame": 4}, {"do": "add_key", "frame": 4})
+    assert desk.doc.subject.keyframes == ()
+    desk.tab.acknowledge(10**9)
+    assert any("left thigh, frames 3–5" in m.get("words", "") for m in await desk.tab.next())
+    desk.do({"do": "angles", "part": "left_thigh", "x": -20}, {"do": "add_key", "frame": 4})
+    assert [keyframe.frame for keyframe in desk.doc.subject.keyframes] == [4]
+    assert [(r.first_frame, r.last_frame) for r in flipped_drafts(desk.doc)] == [(3, 3), (5, 5)]
 
 
 async def test_frames_to_confirm_are_shown_until_they_are_keyframes(desk: Desk) -> None:
