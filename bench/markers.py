@@ -1,7 +1,8 @@
 """Motion in space against markers: films that nobody posed, beside what rivals found of them.
 
 Each film is turned into motion by `keypose run`, from boxes disturbed by 2 % of their height, and
-then stood on its floor. The truth of the phone's films are joint centres of OpenSim's model, fitted
+stood on its floor; then a scripted person works on it for a minute (`human/minute.py`), and it is
+tracked and stood again. The truth of the phone's films are joint centres of OpenSim's model, fitted
 to markers; of the man on the beam, joints from four views, good to 15–25 mm. Joints are defined
 otherwise by every maker, so 30–40 mm root-relative is near what can be told at all.
 """
@@ -12,7 +13,7 @@ import contextlib
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -21,16 +22,24 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bench.clips import person_reference
+from bench.human.clips import Watched, noisy, of_poses
+from bench.human.counting import KINDS
+from bench.human.minute import Worked, worked
 from bench.keeping import DATA, Absent, data_folder
 from bench.measures import Over
 from bench.table import Expected, Report, Table
 from keypose.app.cli.main import main
 from keypose.tracker.body.pose import joint_names
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import joined
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.fitting.draft.first_poses import first_pose, landmark_axes
+from keypose.tracker.fitting.draft.observed import Joints
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS as KEYPOINTS
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.results import load_results
+from keypose.tracker.video import Video
 
 SIDES = ("right", "left")
 JOINTS = tuple(
@@ -39,6 +48,10 @@ JOINTS = tuple(
     for side in SIDES
 )
 """Parts, each of which begins at its joint: hip, knee, ankle, shoulder, elbow, wrist."""
+JOINT_OF_PART = {
+    "hip": "thigh", "knee": "shin", "ankle": "foot", "shoulder": "upper_arm", "elbow": "forearm",
+    "wrist": "hand",
+}  # fmt: skip
 _BONES = ("femur", "tibia", "talus", "humerus", "ulna", "hand")
 OPENSIM = (
     *(f"{bone}_{side}" for bone in _BONES for side in ("r", "l")),
@@ -66,15 +79,25 @@ COLUMNS = (
 )  # fmt: skip
 
 
+SPENT = (
+    "mm gained", "offered", "looked at", "corrected", "keyframes", "clicks", "keys", "drags",
+    "looks", "seconds",
+)  # fmt: skip
+SEEN_PX = 2.0
+"""How far off a person sees a joint."""
+
+
 @dataclass(frozen=True)
 class Expectation:
-    """The most a film's figures should be once it stands."""
+    """The most a film's figures should be once it stands. by_hand_mm: root-relative, after a minute
+    of a hand."""
 
     root_relative_mm: float
     knees_deg: float = 6.0
     hips_deg: float = 5.0
     rigid_mm: float = 50.0
     along_over_across: float = 1.4
+    by_hand_mm: float = 35.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +107,9 @@ class Film:
 
     height_cm: with which the body is as long from ankles to shoulders as the truth's: what a person
     is asked for, and the rivals were told.  frames: those that are drafted, all where None.
-    R_camera_truth: from the axes of the truth to the camera's.  rivals: what others found.
+    R_camera_truth, t_camera_truth: from the axes of the truth to the camera's.  lens: by which the
+    truth is seen where the film shows it, as it was solved; what is measured knows it not.
+    rivals: what others found.
     """
 
     name: str
@@ -98,6 +123,8 @@ class Film:
     times_s: Array
     p_truth: Array
     expected: Expectation
+    lens: Camera
+    t_camera_truth: Array
     late_s: float = 0.0
     rivals: Mapping[str, Path] | None = None
 
@@ -106,6 +133,37 @@ class Film:
         known = (times_s >= self.times_s[0]) & (times_s <= self.times_s[-1])
         return known, _at(times_s[known], self.times_s, self.p_truth) @ self.R_camera_truth.T
 
+    def watched(self, path: Path) -> Watched:
+        """The film as a person sees it who works on a session of it.
+
+        Makers put joints elsewhere: bones point as the truth has them, and are as long as those of
+        the session's body, which is put where the truth is seen.
+        """
+        session = load_session(path)
+        camera, joints = session.view.camera, Joints.of(Skeleton.of(session.subject.body))
+        with open_video_of(session, path) as video:
+            times_s, film = video.info.times_s, video.info.path
+        known, p = self.at(times_s - self.late_s)
+        p = p[:, [JOINTS.index(_part_of(name)) for name in KEYPOINTS]] + self.t_camera_truth
+        sure, poses = np.ones(len(KEYPOINTS)), {}
+        for frame, p_camera in zip(np.flatnonzero(known).tolist(), p, strict=True):
+            uv = self.lens.project(p_camera)
+            axes = landmark_axes(camera, uv, sure > 0)
+            hips = [KEYPOINTS.index(f"{side}_hip") for side in SIDES]
+            about_hips = (p_camera - p_camera[hips].mean(axis=0)) @ axes
+            poses[frame] = first_pose(joints, camera, uv, sure, about_hips)
+        clip = of_poses(self.name, film, session, poses)
+        names = sorted(set(clip.places) - {"head_top"})
+        seen = {f: {n: at[n] for n in names} for f, at in clip.seen.items()}
+        places = {n: clip.places[n] for n in names}
+        return replace(clip, seen=seen, places=places)
+
+
+def _part_of(keypoint: str) -> str:
+    """The part that begins at a joint of keypoints."""
+    side, _, joint = keypoint.partition("_")
+    return f"{side}_{JOINT_OF_PART[joint]}"
+
 
 def markers(report: Report) -> None:
     """The whole group."""
@@ -113,24 +171,30 @@ def markers(report: Report) -> None:
     report.note("frame by itself, scaled; rigid: the clip as one, hips and all; across, along: rms")
     report.note("in the view; hips, shoulders: mean turn of their line in the horizontal, degrees;")
     report.note("feet: mean degrees between the lines from heel to toe")
+    report.note("a minute of a hand: where the review and N lead, by the times of `bench effort`;")
+    report.note(
+        "as the hand sees it: bones of the body's lengths, which point as the truth has them"
+    )
     table = report.table("against markers", *COLUMNS, wide=COLUMNS)
+    work = report.table("what a minute of a hand is spent on", *SPENT, wide=SPENT)
     for found in (opencap_walk, opencap_squat, person):
         with contextlib.suppress(Absent):
-            _film(found(), table)
+            _film(found(), table, work)
 
 
-def _film(film: Film, table: Table) -> None:
+def _film(film: Film, table: Table, work: Table) -> None:
     for name, path in (film.rivals or {}).items():
         times_s, p = _opensim(path)
         known, truth = film.at(times_s)
         table.row(f"{film.name}, {name}", *(f"{v:.1f}" for v in _figures(p[known], truth)))
-    before, after = [], []
-    for box in _boxes(film):
+    before, after, hands = [], [], []
+    for seed, box in enumerate(_boxes(film)):
         with TemporaryDirectory() as folder:
             session = run_film(film, box, Path(folder))
             before.append(_measured(film, session))
             _command("stand", str(session))
             after.append(_measured(film, session))
+            hands.append(_after_a_minute(film, session, seed))
     table.row(f"{film.name}, tracked", *_over(before))
     stood, most = _over(after), film.expected
     expected = [
@@ -141,6 +205,57 @@ def _film(film: Film, table: Table) -> None:
         Expected("knees", stood[7].median, most.knees_deg, "deg"),
     ]
     table.row(f"{film.name}, stood", *stood, expected=expected)
+    _minute(film, table, work, hands, stood)
+
+
+@dataclass(frozen=True)
+class AfterAMinute:
+    """What a person did in a minute, the figures of the motion then, and those of all frames as
+    they see them: what is left of these nobody can mend."""
+
+    done: Worked
+    figures: list[float]
+    least: list[float]
+
+
+def _after_a_minute(film: Film, session: Path, seed: int) -> AfterAMinute:
+    clip = film.watched(session)
+    done = worked(noisy(clip, SEEN_PX, seed), session, seed)
+    _command("track", str(session))
+    _command("stand", str(session))
+    return AfterAMinute(done, _measured(film, session), _figures_of(film, clip))
+
+
+def _figures_of(film: Film, clip: Watched) -> list[float]:
+    """Of the poses as a person understands them."""
+    frames = sorted(clip.poses)
+    skeleton = Skeleton.of(clip.session.subject.body)
+    poses = [clip.poses[frame] for frame in frames]
+    Rs = np.stack([pose.Rs_parent_part for pose in poses])
+    motion = Trajectory(frames[0], Rs, np.stack([pose.p_camera_root for pose in poses]))
+    with Video.open(clip.video) as video:
+        times_s = video.info.times_s[frames]
+    _, truth = film.at(times_s - film.late_s)
+    return _figures(_points(skeleton, motion), truth)
+
+
+def _minute(
+    film: Film, table: Table, work: Table, hands: Sequence[AfterAMinute], stood: list[Over]
+) -> None:
+    """Rows of what a minute of a hand brings, what it was spent on, and what is left at best."""
+    found = _over([hand.figures for hand in hands])
+    expected = [Expected("root-relative", found[0].median, film.expected.by_hand_mm, "mm")]
+    table.row(f"{film.name}, a minute of a hand", *found, expected=expected)
+    table.row(f"{film.name}, as the hand sees it", *_over([hand.least for hand in hands]))
+    spent = [
+        [
+            stood[0].median - hand.figures[0], hand.done.offered, hand.done.looked,
+            hand.done.wrong, hand.done.keyframes,
+            *(hand.done.effort.count(kind) for kind in KINDS[:4]), hand.done.effort.seconds,
+        ]
+        for hand in hands
+    ]  # fmt: skip
+    work.row(film.name, *_over(spent))
 
 
 def _boxes(film: Film) -> Iterator[tuple[float, ...]]:
@@ -184,6 +299,13 @@ def joints_of(path: Path) -> tuple[Array, Array]:
     found = load_results(session, path).fitting(session)
     motion = joined([found[span].trajectory for span in sorted(found)])
     skeleton = Skeleton.of(session.subject.body)
+    with open_video_of(session, path) as video:
+        times_s = video.info.times_s[motion.first_frame : motion.last_frame + 1]
+    return times_s, _points(skeleton, motion)
+
+
+def _points(skeleton: Skeleton, motion: Trajectory) -> Array:
+    """(F, 16, 3) the twelve joints of a motion, with heels and toes."""
     names = joint_names(skeleton)
     p = motion.joints(skeleton)[:, [names.index(name) for name in JOINTS]]
     Ts = motion.transforms(skeleton)
@@ -194,9 +316,7 @@ def joints_of(path: Path) -> tuple[Array, Array]:
         ]
         there = np.array(ends) @ np.swapaxes(Ts[:, part, :3, :3], -1, -2) + Ts[:, part, None, :3, 3]
         p = np.concatenate([p, there], axis=1)
-    with open_video_of(session, path) as video:
-        times_s = video.info.times_s[motion.first_frame : motion.last_frame + 1]
-    return times_s, p
+    return np.asarray(p)
 
 
 def _over(figures: Sequence[Sequence[float]]) -> list[Over]:
@@ -310,11 +430,13 @@ def _opencap(
     if not folder.is_dir():
         raise Absent(f"the data folder 'opencap/{name}' beside the checkout")
     times_s, p = _opensim(folder / "mocap.json")
-    R = np.array(json.loads((folder / "camera_solved.json").read_text())["R_camera_ground"])
+    solved = json.loads((folder / "camera_solved.json").read_text())
+    R, t = (np.array(solved[key]) for key in ("R_camera_ground", "t_camera_ground_m"))
+    lens = Camera(**{key: solved[key] for key in ("width", "height", "fx", "fy", "cx", "cy")})
     rivals = {"OpenCap Monocular": folder / "mono.json", "WHAM": folder / "wham.json"}
     return Film(
         name, folder / "video.mp4", PHONE_DEG, height_cm, box, frame, frames, R, times_s, p,
-        expected, LATE_S, rivals,
+        expected, lens, t, LATE_S, rivals,
     )  # fmt: skip
 
 
@@ -334,5 +456,5 @@ def person() -> Film:
     view_deg = 2 * np.degrees(np.arctan(camera.height / 2 / camera.fy))
     return Film(
         "person", folder / video, round(float(view_deg), 2), 169.1, (118, 184, 402, 658), 33, None,
-        np.eye(3), np.arange(len(p)) / 60.0, p, Expectation(60.0),
+        np.eye(3), np.arange(len(p)) / 60.0, p, Expectation(60.0), camera, np.zeros(3),
     )  # fmt: skip

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -49,11 +49,10 @@ from keypose.tracker.video import Video
 class Desk:
     """One person's session of a clip. `clip` is as they see it."""
 
-    def __init__(self, clip: Watched, settings: TrackSettings, folder: Path) -> None:
+    def __init__(self, clip: Watched, path: Path, *, fresh: bool) -> None:
         self.clip, self.ledger, self.script = clip, Ledger(), list[str]()
-        session = clip.session.changed({"settings": settings})
         self.video = Video.open(clip.video)
-        self.opened = OpenSession(folder / "session.json", session, self.video, fresh=True)
+        self.opened = OpenSession(path, clip.session, self.video, fresh=fresh)
         self.state: EditorState = edit_state(self.opened)[0]
         self.tracks = True
         self._alone = False
@@ -185,7 +184,7 @@ class Desk:
         if around:
             used = self.state.doc
             folder = self.opened.session_path.parent
-            lifter = lifter_for_drafts(used, lambda: self.opened.info.times_s)
+            lifter = lifter_for_drafts(used, lambda: self.video.info.times_s)
             found = learned(near_frames(used, around), folder, around, lifter)
             self.state = with_learned(self.state, used, found)
 
@@ -226,13 +225,19 @@ def ignored(report: Report) -> None:
 
 @contextmanager
 def desk(clip: Watched, settings: TrackSettings) -> Iterator[Desk]:
-    """A desk while it is needed."""
+    """A desk while it is needed, where a clip is begun."""
+    session = clip.session.changed({"settings": settings})
     with TemporaryDirectory() as folder:
-        made = Desk(clip, settings, Path(folder))
-        try:
+        path = Path(folder) / "session.json"
+        with closing(Desk(replace(clip, session=session), path, fresh=True)) as made:
             yield made
-        finally:
-            made.close()
+
+
+@contextmanager
+def desk_of(clip: Watched, path: Path) -> Iterator[Desk]:
+    """A desk where the session of a clip goes on, which is saved at a path."""
+    with closing(Desk(clip, path, fresh=False)) as made:
+        yield made
 
 
 def _spot(at: ArrayLike) -> tuple[float, float]:
