@@ -2,7 +2,8 @@
 
 A scripted person (`human/`) sees pictures and joints in them, with errors of 2 px and 2°, and works
 with what the page offers, until every joint is at most 5 px off in the median and 10 px at worst.
-Actions are clicks, keys and drags; looks are counted beside them. The times are of the
+How far off it is in space then is said beside, where that is known. Actions are clicks, keys and
+drags; looks are counted beside them. The times are of the
 keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
 frame that is judged, 1/15 s one that is watched. What is done once a clip is given as it is; the
 rest for 1,800 frames. What is begun once a clip and not before the first frame, such as keyframes
@@ -34,7 +35,17 @@ from bench.human.counting import KINDS, LONG_FRAMES, SHARES, Effort, Kind
 from bench.human.desk import desk
 from bench.human.first import FIRSTS, first_keyframe
 from bench.human.hand import Hand
-from bench.human.strategies import STRATEGIES, WATCHED, Outcome, Strategy, outcome
+from bench.human.strategies import (
+    KNEES_DEG,
+    OFF_MM,
+    STRATEGIES,
+    WATCHED,
+    InSpace,
+    Outcome,
+    Strategy,
+    in_space,
+    outcome,
+)
 from bench.keeping import Absent
 from bench.measures import Over
 from bench.table import Expected, Report, Table
@@ -43,8 +54,9 @@ SEEDS, SIGMA_PX = 3, 2.0
 """Persons, and how far off they see a joint."""
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
 COLUMNS = (
-    "right", "keyframes", "clicks", "keys", "drags", "looks", "frames watched", "seconds",
-    "first keyframe", "s a frame after", "actions for 1800", "minutes for 1800",
+    "right", "in space too", "mm in space", "knees deg", "keyframes", "clicks", "keys", "drags",
+    "looks", "frames watched", "seconds", "first keyframe", "s a frame after", "actions for 1800",
+    "minutes for 1800",
 )  # fmt: skip
 LONG_CLIP = 60
 """From so many frames on a clip is worked in its first half as well."""
@@ -61,6 +73,7 @@ class Trial:
     outcome: Outcome
     keyframes: int
     seconds: float
+    in_space: InSpace | None = None
 
 
 def effort(report: Report) -> None:
@@ -71,6 +84,12 @@ def effort(report: Report) -> None:
         "joint to 5 px in the median and 10 px at worst. For 1800 frames: clips are a second"
     )
     report.note("or two of fast motion, so that is work for a minute of nothing else")
+    report.note(
+        f"in space too: of these, whose joints are {OFF_MM:g} mm off in the median, as seen"
+    )
+    report.note(
+        f"from the hips, with knees bent within {KNEES_DEG:g} deg; empty where nobody knows"
+    )
     with threadpool_limits(1):
         _first_keyframes(report)
         for name in CLIPS:
@@ -88,7 +107,8 @@ def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
         there.tracks = strategy.tracks
         strategy.work(Hand.of(there, seed, strategy.by_picture))
         done = there.ledger.effort(clip.frames)
-        return Trial(done, outcome(there), len(there.keys), time.process_time() - began)
+        seconds = time.process_time() - began
+        return Trial(done, outcome(there), len(there.keys), seconds, in_space(there))
 
 
 def _first_keyframes(report: Report) -> None:
@@ -143,8 +163,19 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
     first = Over(tuple(t.effort.first_seconds for t in trials))
     then = Over(tuple(t.effort.seconds_a_frame for t in trials))
     measured = (keyframes, *counts, seconds, first, then, actions, minutes)
-    cells = (f"{right} of {len(trials)}", *measured)
+    cells = (f"{right} of {len(trials)}", *_space_cells(trials), *measured)
     table.row(strategy.name, *cells, expected=expected)
+
+
+def _space_cells(trials: list[Trial]) -> tuple[str | Over, ...]:
+    """How many are right in the picture and in space, and by how much they are off in space; empty
+    where that is not known."""
+    known = [t.in_space for t in trials if t.in_space is not None]
+    if not known:
+        return "", "", ""
+    both = sum(t.outcome.right and t.in_space is not None and t.in_space.right for t in trials)
+    off = Over(tuple(each.off_mm for each in known))
+    return f"{both} of {len(trials)}", off, Over(tuple(each.knees_deg for each in known))
 
 
 def _further_frame(report: Report, clip: Watched, trials: list[Trial]) -> None:

@@ -63,6 +63,8 @@ class Watched:
     understands these frames.  places: where on the body a name lies.  marked: frames marked by
     hand, or rendered; marks of others are carried on.  unmeasured: joints that are posed on and
     that nobody is sure of, such as hips under shorts.  true: as `seen`, without a person's error.
+    p_true: by frame and name where joints were in space, metres, camera frame; none where that is
+    not known.
     """
 
     name: str
@@ -76,6 +78,7 @@ class Watched:
     marked: frozenset[int] = frozenset()
     unmeasured: frozenset[str] = frozenset()
     true: Mapping[int, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
+    p_true: Mapping[int, Mapping[str, Array]] = field(default_factory=dict)
 
     @property
     def frames(self) -> int:
@@ -153,7 +156,16 @@ def _real(name: str) -> Watched:
     places = {ours: place(hand.skeleton.body, theirs) for ours, theirs in marks.items()}
     first, last = frames[0], frames[-1]
     marked = Watched(name, known.video, session, first, last, seen, hand.poses, places)
-    return _carried(marked, _rough(known, known.camera))
+    carried_on = _carried(marked, _rough(known, known.camera))
+    return replace(carried_on, p_true=_in_space(known, range(first, last + 1)))
+
+
+def _in_space(known: Clip, frames: range) -> dict[int, dict[str, Array]]:
+    """Rough joints by frame and name, metres, camera frame."""
+    if known.space is None:
+        return {}
+    names, joints = known.space
+    return {f: {MARKS[n]: joints[f, i] for i, n in enumerate(names)} for f in frames}
 
 
 # --- from marked frames to all
@@ -221,7 +233,13 @@ def _rendered(name: str, stretch: tuple[int, int]) -> Watched:
     with Video.open(video) as opened:
         session = _session(opened, shown.camera, sized(shown.skeleton.body))
     poses = {frame: shown.truth.pose(frame) for frame in range(len(shown.truth))}
-    return of_poses(name, video, session, poses)
+    found, skeleton = of_poses(name, video, session, poses), shown.skeleton
+    names = joint_names(skeleton)
+    p_true = {}
+    for frame, pose in poses.items():
+        p = joint_positions(skeleton, pose_transforms(skeleton, pose))
+        p_true[frame] = {n: p[names.index(n)] for n in JOINTS}
+    return replace(found, p_true=p_true)
 
 
 def _film(name: str, shown: Scene) -> Path:

@@ -6,7 +6,7 @@ the median over all frames that are seen, and 10 px at worst.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -20,11 +20,21 @@ from keypose.app.editor.actions import Draft
 from keypose.app.editor.keyframes import AddKey
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.update import Go, Switch
-from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import TrackSettings
 
 MEDIAN_PX, WORST_PX = 5.0, 10.0
 """A motion is right when every joint is that near, in the median and at worst."""
+OFF_MM, KNEES_DEG = 50.0, 10.0
+"""A motion is right in space when joints are that near in the median, seen from the hips, and knees
+are bent that nearly alike: what four cameras say of a joint is 15–25 mm off, and where makers put
+the same joint differs by 30–40 mm."""
+LIMB_JOINTS = tuple(
+    f"{side}_{part}"
+    for side in ("left", "right")
+    for part in ("upper_arm", "forearm", "hand", "thigh", "shin", "foot")
+)
 GIVE_UP_FRAMES = 3
 """With a keyframe in so many frames, it is given up."""
 
@@ -79,6 +89,54 @@ def motion_at(desk: Desk, frame: int) -> Pose:
     inside = desk.keys and desk.keys[0] <= frame <= desk.keys[-1]
     state = replace(desk.state, doc=desk.state.doc.changed({"drafts": ()}))
     return shown_pose(state if inside else desk.state, frame).pose
+
+
+@dataclass(frozen=True)
+class InSpace:
+    """How right it is in space: the median of how far joints are off as seen from the hips, mm, and
+    by how many degrees knees are bent more or less, in the mean."""
+
+    off_mm: float
+    knees_deg: float
+
+    @property
+    def right(self) -> bool:
+        return self.off_mm <= OFF_MM and self.knees_deg <= KNEES_DEG
+
+
+def in_space(desk: Desk) -> InSpace | None:
+    """Of all frames that are worked on; None where nobody knows where joints were."""
+    clip = desk.clip
+    frames = [f for f in clip.p_true if clip.first <= f <= clip.last]
+    if not frames:
+        return None
+    skeleton, off, knees = desk.state.skeleton, list[Array](), list[float]()
+    names = joint_names(skeleton)
+    for frame in frames:
+        p = joint_positions(skeleton, pose_transforms(skeleton, motion_at(desk, frame)))
+        ours, true = dict(zip(names, p, strict=True)), clip.p_true[frame]
+        a, b = (np.stack([p[n] for n in LIMB_JOINTS]) - _hips(p) for p in (ours, true))
+        off.append(np.linalg.norm(a - b, axis=-1))
+        bent = zip(_knees_deg(ours), _knees_deg(true), strict=True)
+        knees += [abs(one - other) for one, other in bent]
+    return InSpace(1e3 * float(np.median(np.concatenate(off))), float(np.mean(knees)))
+
+
+def _hips(p: Mapping[str, Array]) -> Array:
+    return np.asarray((p["left_thigh"] + p["right_thigh"]) / 2)
+
+
+def _knees_deg(p: Mapping[str, Array]) -> list[float]:
+    """How far the left and the right knee are bent."""
+    bent = []
+    for side in ("left", "right"):
+        thigh, shin = (
+            p[f"{side}_{far}"] - p[f"{side}_{near}"]
+            for near, far in (("thigh", "shin"), ("shin", "foot"))
+        )
+        cosine = thigh @ shin / (np.linalg.norm(thigh) * np.linalg.norm(shin))
+        bent.append(float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))))
+    return bent
 
 
 # --- moves that all share

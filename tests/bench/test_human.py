@@ -11,7 +11,7 @@ from bench.human.clips import CARRIED_PX, Watched, carried, noisy, of_poses, siz
 from bench.human.counting import SECONDS, SHARES, Effort, Ledger
 from bench.human.desk import desk, ring_way
 from bench.human.hand import LOOKS_RIGHT_PX, Hand, px
-from bench.human.strategies import Outcome
+from bench.human.strategies import InSpace, Outcome
 from bench.keeping import ROOT
 from keypose.app.editor.drafted import keeps_proportions
 from keypose.app.posing.gesture import Gesture
@@ -197,3 +197,9 @@ def test_what_looks_wrong_is_told_by_what_is_seen(
 ) -> None:
     _, off, wrong = posed_by_hand
     assert set(wrong) <= {name for name, far in off.items() if far > LOOKS_RIGHT_PX - 6.0}
+
+
+def test_a_motion_is_right_in_space_only_if_joints_and_knees_are() -> None:
+    assert InSpace(50.0, 10.0).right
+    assert not InSpace(50.1, 3.0).right
+    assert not InSpace(20.0, 10.1).right
