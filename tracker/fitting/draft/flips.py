@@ -9,7 +9,7 @@ ever do.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -40,6 +40,8 @@ TURNED_DEG: Final = 40.0
 in which it is flipped."""
 ACROSS_DEG: Final = 90.0
 """By which a bone may turn from before to after a run that is bridged."""
+AT_END: Final = 12
+"""Frames from an end of the stretch within which a limb that turns over may stay so."""
 BESIDE: Final = 3
 """Frames beside a run in which poses are still drawn to what is wrong in it."""
 MOST_LIMBS: Final = 2
@@ -80,12 +82,22 @@ def flipped_runs(
         for k, limb in enumerate(joints.limbs)
     }
     found = [LimbRun(k, first, last) for k in far for first, last in _runs(far[k])]
-    return tuple(
-        run
-        for run in found
-        if far[run.limb][run.rows].sum() > LONGEST // 2
-        or _turned_deg(joints, motion, run) > TURNED_DEG
-    )
+    flipped = []
+    for run in found:
+        is_far = far[run.limb][run.rows].sum() > LONGEST // 2
+        for tried in (run, _to_the_end(run, len(motion))):
+            if is_far or _turned_deg(joints, motion, tried) > TURNED_DEG:
+                flipped.append(tried)
+                break
+    return tuple(flipped)
+
+
+def _to_the_end(run: LimbRun, count: int) -> LimbRun:
+    """A run near an end of the stretch as far as there: a limb that turns over shortly before does
+    not turn back."""
+    if run.first <= AT_END:
+        return replace(run, first=0)
+    return replace(run, last=count - 1) if run.last >= count - 1 - AT_END else run
 
 
 def misses(joints: Joints, camera: Camera, seen: Observed, motion: Trajectory) -> Array:
@@ -168,6 +180,8 @@ def _turned_deg(joints: Joints, motion: Trajectory, run: LimbRun) -> float:
     along, before, after = _beside(joints, motion, run)
     rows = np.arange(run.first, run.last + 1)
     share = (rows - before) / max(after - before, 1)
+    if run.first == 0 or run.last == len(motion) - 1:  # one side alone says how it was
+        share = np.full(len(rows), float(run.first == 0))
     way = along[before] + share[:, None, None] * (along[after] - along[before])
     return float(_angles_deg(along[run.rows], way).max())
 

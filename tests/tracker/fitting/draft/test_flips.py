@@ -112,3 +112,14 @@ def test_what_cannot_be_bridged_is_said_and_not_proposed_as_it_is() -> None:
     assert [(p.reason, p.parts) for p in wrong] == [("wrong", ("left_thigh",))]
     first = next(p for p in found.proposals if p.reason == "start")
     assert first.frame == run.last_frame + 1, "the first that is right"
+
+
+@pytest.mark.parametrize("frames", [range(3), range(FRAMES - 6, FRAMES)], ids=["first", "last"])
+def test_a_limb_that_is_elsewhere_at_an_end_of_the_film_is_said_to_be_wrong(frames: range) -> None:
+    keypoints = walk(FRAMES, facing_deg=60).keypoints
+    found = drafted(moved(keypoints, frames, LEG, by(-220, -250)), lifted=True)
+    wrong = {f for run in found.flipped for f in range(run.first_frame, run.last_frame + 1)}
+    assert wrong >= set(frames)
+    assert len(wrong) < len(frames) + 6
+    ends = [p.frame for p in found.proposals if p.reason in ("start", "end")]
+    assert not wrong & set(ends)
