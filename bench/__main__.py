@@ -22,22 +22,26 @@ GROUPS = (
     "surface", "space", "standing", "up", "markers", "angles", "camera", "panned", "mask",
     "evidence",
     "drafts", "effort", "rigs", "install", "fuzz", "gains",
+    "fast",
 )  # fmt: skip
-HOURS_LONG = ("gains",)
-"""Measured only where it is asked for."""
+ASKED_FOR = ("gains", "fast")
+"""Measured only where it is asked for: the one takes hours, the other checks out a revision."""
 OUT = Path("benchmarks.json")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("groups", nargs="*", metavar="GROUP", help=", ".join(GROUPS))
-    asked = parser.parse_args().groups or [name for name in GROUPS if name not in HOURS_LONG]
+    parser.add_argument("--beside", metavar="REV", help="the revision that fast is measured beside")
+    given = parser.parse_args()
+    asked = given.groups or [name for name in GROUPS if name not in ASKED_FOR]
+    more = {"fast": {} if given.beside is None else {"beside": given.beside}}
     for name in asked:
         if name not in GROUPS:
             parser.error(f"there is no group {name!r}; the groups are {', '.join(GROUPS)}")
     kept = _earlier()
     for name in asked:
-        kept[name] = _measured(name)
+        kept[name] = _measured(name, more.get(name, {}))
         OUT.write_text(json.dumps(kept, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print()
     for name in asked:
@@ -45,11 +49,11 @@ def main() -> None:
         print(f"{name}: {short or 'no'} figures short, {seconds:.0f} s")
 
 
-def _measured(name: str) -> dict[str, Any]:
+def _measured(name: str, more: dict[str, str]) -> dict[str, Any]:
     """Run one group."""
     report, began = Report(name), time.perf_counter()
     try:
-        getattr(importlib.import_module(f"bench.{name}"), name)(report)
+        getattr(importlib.import_module(f"bench.{name}"), name)(report, **more)
     except Absent as absent:
         report.note(f"left out: {absent} is not here")
     seconds = time.perf_counter() - began
