@@ -105,5 +105,5 @@ def open_heads(
 def needs_onnx_runtime(what: str) -> KeypointError:
     """What is said where ONNX Runtime alone can run a network, and is not here."""
     return KeypointError(
-        f"{what} needs ONNX Runtime, which is not installed: run `pip install keypose[fast-pose]`."
+        f"{what} needs ONNX Runtime, which is not installed: run `pip install onnxruntime`."
     )

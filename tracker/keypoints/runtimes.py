@@ -55,9 +55,7 @@ def open_runtime(
     if fast is None:
         fast = fast_is_here(suffix)
     if fast and not fast_is_here(suffix):
-        raise KeypointError(
-            f"{_FAST[suffix]} is not installed: run `pip install keypose[fast-pose]`."
-        )
+        raise KeypointError(f"{_FAST[suffix]} is not installed: run `pip install {_FAST[suffix]}`.")
     fastest: type[_LiteRT | _OnnxRuntime] = _LiteRT if suffix == TFLITE else _OnnxRuntime
     kind: type[_LiteRT | _OnnxRuntime | _OpenCV] = fastest if fast else _OpenCV
     try:
@@ -72,7 +70,7 @@ def cannot_run(network: str, runtime: str, error: Exception) -> KeypointError:
     said = getattr(error, "err", "") or str(error).strip() or type(error).__name__
     why = said.splitlines()[0].rpartition("error: ")[2]
     is_fast = runtime.startswith(tuple(_FAST.values()))
-    other = "" if is_fast else " (what `pip install keypose[fast-pose]` installs may run it)"
+    other = "" if is_fast else " (what `pip install onnxruntime` installs may run it)"
     return KeypointError(f"{network} cannot be run by {runtime}{other}: {why}")
 
 

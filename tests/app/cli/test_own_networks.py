@@ -19,7 +19,7 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints import model_files, runtimes
+from keypose.tracker.keypoints import model_files, recognise_network, runtimes
 from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.model_files import (
     FULL,
@@ -365,15 +365,16 @@ def test_bins_are_told_by_their_shape_whatever_they_are_called(
     assert (heads.kind, heads.outputs) == ("simcc", ("output", "1337"))
 
 
-@pytest.mark.skipif(runtimes.fast_is_here(runtimes.ONNX), reason="ONNX Runtime is here")
 def test_what_opencv_computes_otherwise_needs_the_other_library(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    content = tiny.simcc(also=[tiny.node("Softmax", ["seen"], "unasked", axis=1)])
-    assert add(tmp_path, content) == 2
-    words = capsys.readouterr().err
-    assert "has Softmax of operator set 11, which OpenCV computes otherwise" in words
-    assert "pip install keypose[fast-pose]" in words
+    """Where there are no wheels of it."""
+    monkeypatch.setattr(recognise_network, "fast_is_here", lambda suffix: False)
+    path = tmp_path / "network.onnx"
+    path.write_bytes(tiny.simcc(also=[tiny.node("Softmax", ["seen"], "unasked", axis=1)]))
+    words = r"has Softmax of operator set 11, which OpenCV computes otherwise.*pip install onnx"
+    with pytest.raises(KeypointError, match=words):
+        recognise_network.recognised(path, "It")
 
 
 @pytest.mark.skipif(not runtimes.fast_is_here(runtimes.ONNX), reason="ONNX Runtime is not here")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints import model_files
+from keypose.tracker.keypoints import model_files, runtimes
 from keypose.tracker.keypoints.blazepose import NAMES, SIDE, BlazePose, Seen
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import FULL, HEAVY, Model, verified
@@ -234,9 +234,9 @@ def test_litert_agrees_to_a_hundredth_of_a_pixel(network: BlazePose) -> None:
     assert np.abs(other.mask.levels().astype(int) - one.mask.levels()).max() <= 1
 
 
-@pytest.mark.skipif(fast_is_here(TFLITE), reason="LiteRT is installed")
-def test_litert_that_is_not_installed_is_named() -> None:
-    with pytest.raises(KeypointError, match="pip install"):
+def test_litert_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runtimes, "fast_is_here", lambda suffix: False)
+    with pytest.raises(KeypointError, match="pip install ai-edge-litert"):
         BlazePose.open(fast=True)
 
 

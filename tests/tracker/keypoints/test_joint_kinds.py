@@ -16,6 +16,7 @@ from keypose.tracker.keypoints.joint_kinds import KINDS
 from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.model_files import LARGEST_BYTES, Model
+from keypose.tracker.keypoints.recognise_network import recognised
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import ONNX, fast_is_here
 from keypose.tracker.storage.networks import add_own
@@ -143,10 +144,12 @@ def test_rtmo_is_shown_blue_first() -> None:
 def test_rtmo_says_that_it_needs_onnx_runtime(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Where there are no wheels of it."""
     monkeypatch.setattr(joint_network, "fast_is_here", lambda suffix: False)
-    content = tiny.rtmo(BOXES.astype(np.float32), PEOPLE.astype(np.float32))
-    with pytest.raises(KeypointError, match=r"RTMO needs ONNX Runtime.*keypose\[fast-pose\]"):
-        added(tmp_path, content)
+    path = tmp_path / "network.onnx"
+    path.write_bytes(tiny.rtmo(BOXES.astype(np.float32), PEOPLE.astype(np.float32)))
+    with pytest.raises(KeypointError, match=r"RTMO needs ONNX Runtime.*pip install onnxruntime"):
+        recognised(path, "It")
 
 
 @pytest.mark.skipif(not fast_is_here(ONNX), reason="ONNX Runtime is not installed")
