@@ -13,7 +13,12 @@ from keypose.app.cli.arguments import (
 )
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import video_if_there
-from keypose.app.export.motion_files import motion_files, sampling_words, saved_motion
+from keypose.app.export.motion_files import (
+    motion_files,
+    outdated_files,
+    sampling_words,
+    saved_motion,
+)
 from keypose.app.export.motion_formats import require_meant
 from keypose.app.export.opensim_files import files_for_model
 from keypose.app.orders.motion import MotionOrder
@@ -55,6 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
     make_folder(arguments.out)
     for place, content in places.items():
         write_file(place, content, overwrite=arguments.overwrite)
+    for format_name in arguments.format if arguments.overwrite else ():
+        for name in outdated_files(format_name, files):
+            (arguments.out / name).unlink(missing_ok=True)
     print_written(places, arguments.json)
     note(for_model.words if for_model else None)
     note(sampling_words(recording, order, arguments.format))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -108,7 +108,14 @@ def motion_files(
     kind = FORMATS[format_name]
     made = sampled(recording, order, kind.own_times)
     contents = kind.contents(made, order)
-    return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=False)}
+    names = kind.names if len(contents) == len(kind.names) else (*kind.names, *kind.also)
+    return {name: _bytes(one) for name, one in zip(names, contents, strict=True)}
+
+
+def outdated_files(format_name: MotionFormat, written: Collection[str]) -> list[str]:
+    """Names of files of a format that this motion has nothing for: where they are, they are of one
+    of before."""
+    return [name for name in FORMATS[format_name].also if name not in written]
 
 
 def _bytes(content: str | bytes) -> bytes:

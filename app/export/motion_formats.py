@@ -29,7 +29,7 @@ class Format:
     words: what it is for, and in which units and axes.  write: one recording as it; or the dotted
     name of what writes a recording where no option matters.
     names: of its files, "motion" and what follows the session's name where the page saves one of
-    them; of several it makes one zip. The last of them is left out of a motion that has nothing to
+    them; of several it makes one zip.  also: files beside them, of a motion that has something to
     put there.  media_type: of the one file.
     reader, icon, search, remark: in the page who reads it, its sign, words it is found by, and what
     a person should know; then: what is left to do with its files, a sentence.
@@ -61,6 +61,7 @@ class Format:
     unitless: bool = False
     marked: bool = False
     timed: bool = True
+    also: tuple[str, ...] = ()
     numbered: bool = False
 
     def contents(self, recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
@@ -166,8 +167,8 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     ),
     "mot": Format(
         "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal",
-        _mot, ("motion.mot", "motion-errors.mot"), "text/plain", "OpenSim joint angles", "rot",
-        title="Export joint angles as MOT", gaps=False,
+        _mot, ("motion.mot",), "text/plain", "OpenSim joint angles", "rot",
+        title="Export joint angles as MOT", gaps=False, also=("motion-errors.mot",),
     ),
     "c3d": Format(
         "joints as markers for motion laboratories, millimetres",

@@ -61,9 +61,11 @@ def files_for_model(
     larger = f"{model_path.stem}-scaled.osim"
     times_s = (float(made.times_s[0]), float(made.times_s[-1]))
     bend = None if sizes.shows_tilt else trunk_flexion(model)
+    motion, *errors = mot_files(made, model)
     texts = {
         "motion.trc": trc(made),
-        **dict(zip((MOTION_FILE, ERRORS_FILE), mot_files(made, model), strict=False)),
+        MOTION_FILE: motion,
+        **dict(zip((ERRORS_FILE,), errors, strict=False)),
         MARKERS_FILE: markers_xml(sizes),
         SCALE_FILE: scale_xml(sizes, _from(out, model_path), larger),
         IK_FILE: ik_xml(sizes.placed, larger, times_s, beside=[] if bend is None else [bend]),

@@ -20,9 +20,10 @@ export function ticksOf(low, high, steps, most) {
   return ticks;
 }
 
-/** The lowest and the highest value of all sides with some air between them. @param {JointAngle} shown @returns {[number, number]} */
+/** The lowest and the highest value of all sides, with what they may be off by, and some air between them. @param {JointAngle} shown @returns {[number, number]} */
 export function angleRange({ sides }) {
-  const values = sides.flatMap((side) => side.values.filter((value) => value !== null));
+  const off = (side, at) => side.errors?.[at] ?? 0;
+  const values = sides.flatMap((side) => side.values.flatMap((value, at) => (value === null ? [] : [value - off(side, at), value + off(side, at)])));
   const [low, high] = [Math.min(...values), Math.max(...values)];
   const air = Math.max(0.08 * (high - low), (10 - (high - low)) / 2);
   return [low - air, high + air];

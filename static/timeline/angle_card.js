@@ -101,7 +101,7 @@ function chart(shown) {
   </svg>`;
 }
 
-/** What of a side's curve is sure, and what is a guess in depth: the class of each, and its run. */
+/** What of a side's curve is sure, and what is not seen or a guess in depth: the class of each, and its run. */
 function curves({ side, values, errors }, guess) {
   if (!errors) return runsOf(values).map((run) => [side, run]);
   const isGuess = (at) => (errors[at] ?? 0) > guess;

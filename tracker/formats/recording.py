@@ -285,14 +285,14 @@ class Recording:
 
     def joint_angles_in(self, world: Ground) -> tuple[JointAngles, ...]:
         """The angles of a person's joints with the pelvis' in a world; none of another body."""
-        Rs, errors = self.tracks.Rs_parent_part, self._angle_errors
+        Rs = self.tracks.Rs_parent_part
         found = joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
+        errors = self._angle_errors(world)
         if errors is None:
             return found
         return tuple(replace(each, errors_deg=np.degrees(errors[each.joint])) for each in found)
 
-    @cached_property
-    def _angle_errors(self) -> dict[Joint, Array] | None:
+    def _angle_errors(self, world: Ground) -> dict[Joint, Array] | None:
         """By how much angles are expected to be off; None where no depth was lifted."""
         known, tracks = self.tracks.diagnostics, self.as_seen
         if known.expected_error is None or known.expected_depth is None:
@@ -300,10 +300,10 @@ class Recording:
         motion = Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
         zoom = 1.0 if self.seen_from is None else self.seen_from.zoom
         across_m = in_metres(known.expected_error, self.camera, tracks.ps_camera_root, zoom)
-        R_ground_camera = self.ground.R_ground_camera
+        R_world_camera = world.R_ground_camera
         if self.seen_from is not None:
-            R_ground_camera = R_ground_camera @ self.seen_from.Ts_world_camera[:, :3, :3]
-        return angle_errors(self.skeleton, motion, across_m, known.expected_depth, R_ground_camera)
+            R_world_camera = R_world_camera @ self.seen_from.Ts_world_camera[:, :3, :3]
+        return angle_errors(self.skeleton, motion, across_m, known.expected_depth, R_world_camera)
 
     @cached_property
     def foot_pins(self) -> tuple[Pin, ...]:

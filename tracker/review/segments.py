@@ -166,7 +166,9 @@ class JudgedSegments:
         where no depth was lifted, or the body is not a person's. Found once for a segment."""
         if track not in _DIRECTIONS:
             observed = self._observed(track)
-            _DIRECTIONS[track] = None if observed is None else direction_errors(*observed)
+            if observed is None:
+                return None
+            _DIRECTIONS[track] = direction_errors(*observed)
         return _DIRECTIONS[track]
 
     def angle_errors(

@@ -26,8 +26,8 @@ class Segment:
     imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
     own: the film's own motion of before, that meets both keyframes: where tracking starts, and what
         counts where the film shows nothing; None without one.
-    to_posed_s: (N,) seconds to the nearer of its keyframes whose depth a person posed; None where
-        both are as a draft had them.
+    to_posed_s: (N, P) seconds to the nearest of its keyframes, and of those of limbs within, at
+        which a person posed a part; infinite without one. None where nobody knows.
     """
 
     first_frame: int

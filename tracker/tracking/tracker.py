@@ -321,12 +321,19 @@ class Tracker:
             number += 1
 
     def _to_posed_s(self, span: tuple[int, int]) -> Array | None:
-        """(N,) seconds to the nearer keyframe that a person posed; None without one."""
-        times_s, posed = self._times_s, [frame for frame in span if frame not in self._drafted]
-        if times_s is None or not posed:
+        """(N, P) seconds to the nearest frame at which a person posed a part."""
+        if self._times_s is None:
             return None
-        away = np.abs(times_s[span[0] : span[1] + 1, None] - times_s[posed])
-        return np.asarray(away.min(axis=1))
+        first, last = span
+        inside = self._times_s[first : last + 1]
+        found = np.full((len(inside), self.skeleton.part_count), np.inf)
+        whole = np.arange(self.skeleton.part_count)
+        posed = [(frame, whole) for frame in span if frame not in self._drafted]
+        limbs = [(key.frame, key.parts) for key in self._keyed_parts if first < key.frame < last]
+        for frame, parts in (*posed, *limbs):
+            away = np.abs(inside - self._times_s[frame])
+            found[:, parts] = np.minimum(found[:, parts], away[:, None])
+        return found
 
     def _corrected_work(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit

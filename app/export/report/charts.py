@@ -261,13 +261,18 @@ class Line:
     errors: Array | None = None
     guess_from: float = math.inf
 
+    @property
+    def around(self) -> tuple[Array, Array]:
+        """(N,) the lower and the upper end of the band; the curve twice without one."""
+        off = np.zeros(len(self.values)) if self.errors is None else np.nan_to_num(self.errors)
+        return self.values - off, self.values + off
+
     def drawn(self, scale: Scale) -> Iterator[Html | None]:
         """The band, the curve, and what of it is a guess."""
         if self.errors is None:
             yield path(curve(self.values, self.first, scale), f"curve {self.style}")
             return
-        around = (self.values - self.errors, self.values + self.errors)
-        yield path(band(*around, self.first, scale), f"band {self.style}")
+        yield path(band(*self.around, self.first, scale), f"band {self.style}")
         is_guess = np.nan_to_num(self.errors) > self.guess_from
         near = is_guess.copy()  # so that both lines meet
         near[1:] |= is_guess[:-1]

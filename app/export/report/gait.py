@@ -61,7 +61,7 @@ def legend(recording: Recording) -> Html:
     """Return which colour is which side, and what is drawn beside curves."""
     sides = (element("span", part_label(side), class_=f"name {side}") for side in ("left", "right"))
     has_errors = any(one.errors_deg is not None for one in recording.joint_angles)
-    more = "; bands: half of all angles are off by less, grey ones are a guess in depth"
+    more = "; bands: half of all angles are off by less; grey: not seen, or a guess in depth"
     words = f"dots are the keyframes{more if has_errors else ''}"
     return element("p", *sides, element("span", words), class_="legend")
 
@@ -112,7 +112,7 @@ def _charts(subject: Subject, recording: Recording, row: Row) -> Iterator[Html]:
 
 
 def _chart(subject: Subject, joint: str, angle: Angle, lines: Sequence[Line]) -> Html:
-    low, high = chart_range([line.values for line in lines])
+    low, high = chart_range([each for line in lines for each in line.around])
     return line_chart(
         caption(joint, angle),
         _with_room(*subject.ends, low, high),

@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 
 from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
-from keypose.app.export.motion_files import motion_files, saved_motion
+from keypose.app.export.motion_files import motion_files, outdated_files, saved_motion
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.make_session import (
@@ -105,10 +105,13 @@ def export_motion(session_path: Path, export: Export) -> tuple[str, ...]:
     for format_name in FORMATS:
         if format_name not in export.formats:
             continue
-        for name, content in motion_files(format_name, recording, export.order).items():
+        files = motion_files(format_name, recording, export.order)
+        for name, content in files.items():
             place = export.folder / f"{export.prefix}{name}"
             write_file(place, content, overwrite=True)
             written.append(str(place))
+        for name in outdated_files(format_name, files):
+            (export.folder / f"{export.prefix}{name}").unlink(missing_ok=True)
     return tuple(written)
 
 

@@ -173,6 +173,24 @@ def test_where_depth_was_lifted_a_second_file_says_how_far_off_angles_may_be() -
     model = set(read_mot(mot_files(made, MODEL)[1]).columns)
     assert model <= set(read_mot(mot(made, MODEL)).columns)
     assert len(mot_files(recordings.recording("person"))) == 1
+    known = made.tracks.diagnostics
+    assert known.expected_depth is not None
+    half = known.expected_depth.copy()
+    half[: len(half) // 2] = np.nan
+    tracks = replace(made.tracks, diagnostics=replace(known, expected_depth=half))
+    assert len(mot_files(replace(made, tracks=tracks))) == 1  # OpenSim reads no gaps
+
+
+def test_the_pelvis_errors_are_those_of_the_world_that_its_angles_are_in() -> None:
+    made = recordings.with_depth(posed(waist=(0, 0, 0)))
+    by_body, by_camera = (
+        next(each for each in made.joint_angles_in(world) if each.joint.name == "pelvis")
+        for world in (made.ground, replace(made, origin="camera", kept_ground=None).world)
+    )
+    assert by_body.errors_deg is not None
+    assert by_camera.errors_deg is not None
+    assert by_body.errors_deg[0, 0] == pytest.approx(by_camera.errors_deg[0, 1], rel=0.02)
+    assert by_body.errors_deg[0, 0] != pytest.approx(by_camera.errors_deg[0, 0], rel=0.02)
 
 
 def test_mot_holds_no_gaps() -> None:

@@ -107,16 +107,15 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
 
 def expected_errors(recording: Recording) -> dict[str, Array] | None:
     """By which coordinates (N,) are expected to be off, degrees, by their names; None where that is
-    not known. Of places and of toes nothing is."""
-    angles = {found.joint.name: found for found in recording.joint_angles}
-    if len(angles) < len(JOINTS) or any(each.errors_deg is None for each in angles.values()):
+    not known of every frame, since OpenSim reads no gaps. Nothing is of places, ankles and toes."""
+    recording = _with_hinges(recording)
+    angles = {found.joint.name: found for found in recording.joint_angles_in(recording.world)}
+    if len(angles) < len(JOINTS):
         return None
-    found: dict[str, Array] = {}
-    for name, _, _, each, angle in _columns(angles):
-        error = each.error_deg(angle)
-        assert error is not None
-        found[name] = error
-    return found
+    errors = {name: each.error_deg(angle) for name, _, _, each, angle in _columns(angles)}
+    found = {name: error for name, error in errors.items() if error is not None}
+    is_whole = all(np.isfinite(error).all() for error in found.values())
+    return found if found and is_whole else None
 
 
 def _columns(

@@ -160,8 +160,9 @@ class JointEvidence:
         if self.foot_distance is None or self.foot_parts is None:
             return found
         for part, distance in zip(self.foot_parts, self.foot_distance.T, strict=True):
-            beyond = np.sqrt(np.maximum(_median_near(distance) ** 2 - FOOT_OWN**2, 0.0))
-            beyond[list(self.keyed)] = 0.0
+            near = _median_near(distance)
+            beyond = np.sqrt(np.maximum(near**2 - FOOT_OWN**2, 0.0))
+            beyond[list(self.keyed)] *= 0.0  # what was not seen stays unknown
             found[:, part] = np.fmax(found[:, part], beyond)
         return found
 
@@ -178,11 +179,11 @@ class JointEvidence:
         median_m = MEDIAN_OF_SIGMA * self.depth_sigma_m
         beyond = np.maximum(median_m / USUAL_M, 1.0)
         median_m = median_m * beyond ** (SPREAD - 1)
-        if to_posed_s is not None:
-            share = np.minimum(to_posed_s / POSED_S, 1.0)[:, None]
-            posed_m = np.minimum(median_m, POSED_M)
-            median_m = np.hypot(share * median_m, (1 - share) * posed_m)
-        return self._of_parts(median_m, parts)
+        found = self._of_parts(median_m, parts)
+        if to_posed_s is None:
+            return found
+        share = np.minimum(to_posed_s / POSED_S, 1.0)
+        return np.asarray(np.hypot(share * found, (1 - share) * np.minimum(found, POSED_M)))
 
     def _of_parts(self, of_joints: Array, parts: int) -> Array:
         """(N, P) the largest of a part's joints."""
@@ -232,10 +233,10 @@ def _mean_near(values: Array) -> Array:
 
 
 def _median_near(values: Array) -> Array:
-    """(N,) the median over the frames near each that have a value; 0 where none has."""
+    """(N,) the median over the frames near each that have a value; NaN where none has."""
     padded = np.pad(values, NEAR, constant_values=np.nan)
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEAR + 1)
     known = np.isfinite(windows).any(axis=1)
-    found = np.zeros(len(values))
+    found = np.full(len(values), np.nan)
     found[known] = np.nanmedian(windows[known], axis=1)
     return found

@@ -208,11 +208,15 @@ def _worst_run(skeleton: Skeleton, first: int, cause: Cause, beyond: Array) -> V
     """The part that is beyond what is good by most, in its worst run of frames; None where none is
     for long. beyond (N, P): over 0 where it is."""
     beyond = beyond.clip(0.0)
-    part = int(beyond.sum(axis=0).argmax())
-    found = [run for run in runs(beyond[:, part] > 0) if run[1] - run[0] + 1 >= SHORTEST_RUN]
+    found = [
+        (float(column[start : end + 1].sum()), part, start, end)
+        for part, column in enumerate(beyond.T)
+        for start, end in runs(column > 0)
+        if end - start + 1 >= SHORTEST_RUN
+    ]
     if not found:
         return None
-    start, end = max(found, key=lambda run: float(beyond[run[0] : run[1] + 1, part].sum()))
+    _, part, start, end = max(found)
     return Verdict(
         kind="check",
         cause=cause,

@@ -34,6 +34,7 @@ SCENE: Scene = scene_of(SKELETON, poses=[START])
 MARKS = len(SCENE.marks[1])
 PATH: Trajectory = interpolate(START, END, FIRST, LAST)
 FAR = 1000.0
+Floats = NDArray[np.float64]
 
 
 def outcome(
@@ -368,6 +369,16 @@ def test_what_is_right_in_the_picture_and_a_guess_in_depth_is_not_good() -> None
     assert verdict(with_depth(0.2, rows=slice(5, 7))) == GOOD  # two frames are no run
 
 
+def test_a_part_that_is_a_guess_now_and_then_hides_no_other_that_is_one_for_long() -> None:
+    outcome_ = with_depth(0.2, "right_forearm", slice(4, 9))
+    assert outcome_.joints is not None
+    assert outcome_.joints.depth_sigma_m is not None
+    elbow = np.flatnonzero(outcome_.joints.parts == SKELETON.body.index("left_forearm"))
+    outcome_.joints.depth_sigma_m[1::2, elbow] = 0.6
+    found = verdict(outcome_)
+    assert (found.part, found.frames) == ("right_forearm", (FIRST + 4, FIRST + 8))
+
+
 def test_a_picture_that_is_wrong_is_said_first() -> None:
     unsure = with_depth(0.2)
     assert unsure.joints is not None
@@ -376,12 +387,21 @@ def test_a_picture_that_is_wrong_is_said_first() -> None:
     assert verdict(unsure).cause == "uncertain"
 
 
+def by_part(seconds: Floats) -> Floats:
+    """The same of every part."""
+    return seconds[:, None] * np.ones(SKELETON.part_count)
+
+
 def test_a_pose_that_a_person_set_makes_the_depth_near_it_good() -> None:
     away = np.minimum(np.arange(N + 1), np.arange(N + 1)[::-1])
-    posed = replace(SEGMENT, to_posed_s=away / 200.0)  # a quick film: all lies near
+    posed = replace(SEGMENT, to_posed_s=by_part(away / 200.0))  # a quick film: all lies near
     assert judge(SCENE, SEGMENT, with_depth(0.2), clear()).cause == "depth"
     assert judge(SCENE, posed, with_depth(0.2), clear()) == GOOD
-    slow = replace(SEGMENT, to_posed_s=away / 10.0)
+    limb = np.full((N + 1, SKELETON.part_count), np.inf)
+    arm = [SKELETON.body.index(f"left_{name}") for name in ("upper_arm", "forearm", "hand")]
+    limb[:, arm] = 0.0  # the arm alone was posed
+    assert judge(SCENE, replace(SEGMENT, to_posed_s=limb), with_depth(0.2), clear()) == GOOD
+    slow = replace(SEGMENT, to_posed_s=by_part(away / 10.0))
     assert judge(SCENE, slow, with_depth(0.2), clear()).cause == "depth"
 
 
