@@ -4,17 +4,19 @@
 
 Figures of another machine, or of another hour, prove nothing: what counts is the ratio of medians
 of processor time. The other revision is checked out into a folder of its own and works on the same
-films, bodies and poses, with this revision's Python packages. Rows are in `bench/fast_rows.py`;
-those of whole processes are commands, each on a copy of one session.
+films, bodies and poses. Each has the packages that a plain installation of it brings, in an
+environment of its own that is kept. Rows are in `bench/fast_rows.py`.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import pickle
 import subprocess
-import sys
+import tomllib
+import venv
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -44,6 +46,7 @@ WANTED: Mapping[str, float] = {
 }  # fmt: skip
 """By how much less a row should take than the revision beside it."""
 LINKED = ("app", "sample_videos", "static", "tracker")
+ARCHIVED = (*LINKED, "pyproject.toml")
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Worker:
         environ["NUMBA_CACHE_DIR"] = str(tree / "build" / "loops")
         script = str(ROOT / "bench" / "fast_rows.py")
         self._process = subprocess.Popen(
-            [sys.executable, "-P", script, str(films)], env=environ, text=True,
+            [str(_python(tree)), "-P", script, str(films)], env=environ, text=True,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         )  # fmt: skip
         self.rows: list[str] = self._answer()
@@ -162,12 +165,27 @@ def _checked_out(revision: str) -> Path:
     tree = kept_folder() / f"at-{named.stdout.strip()[:12]}"
     if not tree.exists():
         archive = subprocess.run(
-            ["git", "-C", str(ROOT), "archive", named.stdout.strip(), *LINKED],
+            ["git", "-C", str(ROOT), "archive", named.stdout.strip(), *ARCHIVED],
             capture_output=True, check=True,
         )  # fmt: skip
         tree.mkdir(parents=True)
         subprocess.run(["tar", "-x", "-C", str(tree)], input=archive.stdout, check=True)
     return _linked(tree)
+
+
+def _python(tree: Path) -> Path:
+    """An interpreter with the packages that a plain installation of a revision brings; made once
+    for all that need the same."""
+    project = tomllib.loads((tree / "pyproject.toml").read_text(encoding="utf-8"))
+    needed: list[str] = project["project"]["dependencies"]
+    name = hashlib.sha256("\n".join(sorted(needed)).encode()).hexdigest()[:12]
+    folder = kept_folder() / f"packages-{name}"
+    python = folder / "bin" / "python"
+    if not (folder / "done").exists():
+        venv.create(folder, clear=True, with_pip=True)
+        subprocess.run([str(python), "-m", "pip", "install", "--quiet", *needed], check=True)
+        (folder / "done").touch()
+    return python
 
 
 def _linked(tree: Path) -> Path:
