@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
+import os
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -111,8 +112,9 @@ class _LiteRT:
     def __init__(self, _: str, content: bytes, outputs: tuple[str, ...]) -> None:
         from ai_edge_litert.interpreter import Interpreter
 
-        self._net: Any = Interpreter(model_content=content, num_threads=1)
-        self._net.allocate_tensors()
+        with _unheard():
+            self._net: Any = Interpreter(model_content=content, num_threads=1)
+            self._net.allocate_tensors()
         self._input = self._net.get_input_details()[0]["index"]
         by_name = {o["name"]: o["index"] for o in self._net.get_output_details()}
         self._wanted = [by_name[name] for name in outputs]
@@ -141,6 +143,28 @@ class _OnnxRuntime:
     def run(self, image: Tensor) -> list[Tensor]:
         found: list[Tensor] = self._net.run(self._outputs, {self._input: image[None]})
         return found
+
+
+_HEARING: Final = threading.Lock()
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """LiteRT writes past Python, where errors are printed, that it began; nothing turns it off."""
+    with _HEARING:
+        try:
+            before = os.dup(2)
+        except OSError:  # a program without a terminal
+            yield
+            return
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        try:
+            os.dup2(nowhere, 2)
+            yield
+        finally:
+            os.dup2(before, 2)
+            os.close(nowhere)
+            os.close(before)
 
 
 @contextmanager

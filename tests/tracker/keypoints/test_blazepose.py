@@ -234,6 +234,12 @@ def test_litert_agrees_to_a_hundredth_of_a_pixel(network: BlazePose) -> None:
     assert np.abs(other.mask.levels().astype(int) - one.mask.levels()).max() <= 1
 
 
+@pytest.mark.skipif(not fast_is_here(TFLITE), reason="LiteRT is not installed")
+def test_litert_says_nothing_of_its_own(capfd: pytest.CaptureFixture[str]) -> None:
+    BlazePose.open(fast=True)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_litert_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(runtimes, "fast_is_here", lambda suffix: False)
     with pytest.raises(KeypointError, match="pip install ai-edge-litert"):
