@@ -68,6 +68,13 @@ class UpEvidence(UnsureUp):
         precision = across.T @ np.linalg.inv(across @ covariance @ across.T) @ across
         return cls(np.asarray(up), precision, source)
 
+    def off_where_surest(self, up: Array) -> tuple[float, float]:
+        """By how much up (3,) is off along the direction that this shows surest, and the standard
+        deviation of what it shows there, radians."""
+        precisions, directions = np.linalg.eigh(self.precision)
+        off_rad = math.asin(min(abs(float(directions[:, -1] @ up)), 1.0))
+        return off_rad, 1 / math.sqrt(max(float(precisions[-1]), LEAST_PRECISION))
+
     def turned(self, R: Array) -> UpEvidence:
         """The same in another frame, in which this one is turned by R (3, 3)."""
         return UpEvidence(R @ self.up, R @ self.precision @ R.T, self.source)

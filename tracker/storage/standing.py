@@ -171,7 +171,7 @@ def _levelled(
         return session, found
     feet = next((one.evidence for one in found.apart if one.evidence.source == "feet"), None)
     if feet is not None and "lines" not in found.sources:
-        slope = np.degrees(np.arccos(np.clip(feet.up @ found.up, -1.0, 1.0)))
+        slope = np.degrees(feet.off_where_surest(found.up)[0])
         raise SessionError(
             f"Feet stand on a slope of {slope:.0f}° by how the body is upright, as on stairs: set "
             "the horizon first."

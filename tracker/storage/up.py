@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -32,6 +33,10 @@ SET_RAD: Final = np.radians(1.0)
 
 MOST_SIGMA_RAD: Final = np.radians(15.0)
 """Of the surest source. Less sure, it says no more than how cameras are held."""
+MOST_SLOPE_RAD: Final = np.radians(15.0)
+"""Of a floor that feet are taken to stand on level, by how the body is upright."""
+SLOPE_SIGMAS: Final = 2.0
+"""Standard deviations of where feet stand that a slope is at least."""
 
 
 def estimated_up(
@@ -45,12 +50,35 @@ def estimated_up(
     """
     evidence = (*(() if seen is None else (seen,)), *evidence_of_motion(session, motions))
     if not session.has_up_of_hand:
-        found = combined(evidence, HELD_LEVEL)
+        found = _without_stairs(combined(evidence, HELD_LEVEL))
         return found if found is not None and found.used[0].sigma_rad < MOST_SIGMA_RAD else None
     known = UpEvidence.of(up_of(session), SET_RAD, "set")
     off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
     apart = tuple(one for one in off if one.sigmas >= MOST_APART)
     return UpEstimate(known.up, known.precision, (known,), apart)
+
+
+def _without_stairs(found: UpEstimate | None) -> UpEstimate | None:
+    """The estimate without feet that disagree with how the body is upright, or that stand on a
+    slope by it: stairs and hills show as one floor, and feet are the surer the farther up they go.
+    Upright lines that agree with the feet bear them out."""
+    if found is None or "lines" in found.sources:
+        return found
+    apart = {one.evidence.source: one for one in found.apart}
+    used = {one.source: one for one in found.used}
+    person = used.get("person") or (apart["person"].evidence if "person" in apart else None)
+    if "feet" not in used or person is None:
+        return found
+    feet = used.pop("feet")
+    rest = combined(tuple(used.values()) if "person" in used else (person,), HELD_LEVEL)
+    assert rest is not None
+    slope_rad, sigma_rad = feet.off_where_surest(rest.up)
+    is_slope = slope_rad > max(MOST_SLOPE_RAD, SLOPE_SIGMAS * sigma_rad)
+    if "person" in used and not is_slope:
+        return found
+    others = tuple(one for one in found.apart if one.evidence is not person)
+    off = Disagreement(feet, apart_by(feet, rest.up, rest.precision))
+    return replace(rest, apart=(*others, off))
 
 
 def evidence_of_lines(session: Session, lines: Mapping[int, UprightLines]) -> UpEvidence | None:

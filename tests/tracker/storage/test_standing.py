@@ -344,7 +344,6 @@ REFUSED = {
     "upside down": (
         lambda: (known_with_up(-UP), None), "By what is set as up the body lies"
     ),
-    "stairs, up unknown": (lambda: (session(), "climbs"), "slope of .* as on stairs"),
     "never stands": (lambda: (known(), "swims"), "No foot stands still anywhere"),
 }  # fmt: skip
 
@@ -360,10 +359,6 @@ def test_what_cannot_stand_is_said_in_one_sentence(case: str) -> None:
     given, fitting = make()
     if fitting is None:
         fitting = tracked(given, MOTION)
-    if fitting == "climbs":
-        R, t = MOTION.writable()
-        t += 0.02 * np.arange(len(t))[:, None] * UP * 0.7
-        fitting = tracked(given, type(MOTION)(0, R, t))
     if fitting == "swims":
         R, t = MOTION.writable()
         t[:, 0] += 0.1 * np.arange(len(t))
@@ -371,6 +366,49 @@ def test_what_cannot_stand_is_said_in_one_sentence(case: str) -> None:
     with pytest.raises(SessionError, match=words) as refused:
         stand(given, fitting)
     assert str(refused.value).count(".") == 1
+
+
+def climbing(steepness: float, spread_rad: float) -> Trajectory:
+    """The walk, higher by so many times 2 cm in every frame, legs spread at the hips."""
+    R, t = MOTION.writable()
+    for side, sign in (("left", 1), ("right", -1)):
+        thigh = SHOWN.skeleton.body.index(f"{side}_thigh")
+        R[:, thigh] = exp_rotation(np.array([0.0, 0.0, sign * spread_rad])) @ R[:, thigh]
+    return Trajectory(0, R, t + 0.02 * steepness * np.arange(len(t))[:, None] * UP)
+
+
+@pytest.mark.parametrize("steepness", [-0.7, -0.5, 0.5, 0.7])
+@pytest.mark.parametrize("spread_rad", [-0.25, -0.12, 0.0, 0.25])
+def test_stairs_are_no_floor_however_wide_the_gait_and_change_nothing_of_up(
+    steepness: float, spread_rad: float
+) -> None:
+    motion = climbing(steepness, spread_rad)
+    with pytest.raises(SessionError, match=r"slope of \d\d° .* as on stairs") as refused:
+        stand(session(), tracked(session(), motion))
+    assert str(refused.value).count(".") == 1
+    found = estimated_up(session(), {(0, 90): motion})
+    assert found is not None
+    assert [one.evidence.source for one in found.apart] == ["feet"]
+    assert np.arccos(found.up @ UP) < 2 * found.sigma_rad
+
+
+@pytest.mark.parametrize("spread_rad", [-0.25, 0.25])
+def test_a_level_floor_is_one_however_wide_the_gait(spread_rad: float) -> None:
+    found = estimated_up(session(), {(0, 90): climbing(0.0, spread_rad)})
+    assert found is not None
+    assert set(found.sources) == {"person", "feet"}
+    assert np.arccos(found.up @ UP) < 2 * found.sigma_rad
+
+
+def test_upright_lines_that_agree_with_feet_outvote_how_the_body_leans() -> None:
+    leans = climbing(0.7, 0.0)
+    alone = estimated_up(session(), {(0, 90): leans})
+    assert alone is not None
+    feet = alone.apart[0].evidence
+    found = estimated_up(session(), {(0, 90): leans}, upright(feet.up).evidence)
+    assert found is not None
+    assert "lines" in found.sources
+    assert [one.evidence.source for one in found.apart] == ["person"]
 
 
 def test_frames_in_which_nothing_touches_the_floor_are_told() -> None:
