@@ -102,7 +102,7 @@ def on_its_floor(tracked: Session, path: Path) -> Session:
             "pins": tuple(pins),
             "keyframes": tuple(keyframes),
             "up_camera": _up(tracked, path, pins),
-            "up_from": ("feet",),
+            "up_from": ("feet", "set"),
         }
     )
 
@@ -115,7 +115,7 @@ def _up(tracked: Session, path: Path, pins: list[Pin]) -> tuple[float, float, fl
     for pin in pins:
         rows = slice(pin.first_frame - motion.first_frame, pin.last_frame - motion.first_frame + 1)
         feet.append(p_camera_joint[rows, tracked.body.index(pin.part)].mean(axis=0))
-    x, y, z = up_from_places(np.array(feet), np.array([0.0, -1.0, 0.0])).up
+    x, y, z = up_from_places(np.array(feet)).up
     return (round(float(x), 5), round(float(y), 5), round(float(z), 5))
 
 

@@ -185,7 +185,7 @@ class TakeUp(Edit):
             raise ActionRefused("This is no direction.")
         up = np.array(self.up) / length
         evidence = UpEvidence.of(up, math.radians(self.sigma_deg), self.source)
-        return state.doc.with_up_found(up_of_one(evidence))
+        return state.doc.with_up_chosen(up_of_one(evidence))
 
 
 class ResetUp(Edit):

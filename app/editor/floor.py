@@ -19,9 +19,11 @@ from keypose.app.posing.gesture import Metres, Spot
 from keypose.tracker.body.body import Name
 from keypose.tracker.geometry.horizon import up_from_horizon
 from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.geometry.up import UpEvidence
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.schema import Session
-from keypose.tracker.space.level import up_from_places
+from keypose.tracker.solver.sigmas import LEAN_RAD
+from keypose.tracker.space.level import HELD_LEVEL, up_from_places
 
 LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""
@@ -60,8 +62,7 @@ class UpFromFeet(Edit):
         places, apart = _places_of_feet(state)
         if apart < LEAST_APART_M:
             raise ActionRefused("Pin two steps first, at least half a metre apart.")
-        up = up_from_places(places, np.array(up_in_world(state.doc)))
-        levelled = state.doc.with_up_found(up)
+        levelled = state.doc.with_up_chosen(up_from_places(places, _known_up(state.doc)))
         if levelled.world.floor_m is None:
             return levelled
         state = state.with_doc(levelled)
@@ -111,6 +112,15 @@ def uneven_feet_m(state: EditorState) -> float | None:
     places, apart = _places_of_feet(state)
     rise = float(np.ptp(places @ np.array(up_in_world(state.doc)))) if len(places) else 0.0
     return rise if apart > LEAST_APART_M and rise > STEEP * apart else None
+
+
+def _known_up(doc: Session) -> UpEvidence:
+    """What is known of up beside the feet. These are to stand level, so that it counts as no surer
+    than how a person leans."""
+    up, sigma_rad = doc.world.up_world, doc.world.up_sigma_rad or 0.0
+    if up is None:
+        return HELD_LEVEL
+    return UpEvidence.of(np.array(up), max(LEAN_RAD, sigma_rad), "set")
 
 
 def _places_of_feet(state: EditorState) -> tuple[Array, float]:

@@ -54,8 +54,8 @@
  * @property {number | null} depth_share  By what share distances may be off; null where the lens is known.
  * @property {Point} up
  * @property {'camera' | 'drawn' | 'feet' | 'found'} up_origin
- * @property {number | null} up_off_deg  What is said as ±; null where nobody knows it, or somebody set it.
- * @property {boolean} up_is_sure  Whether somebody set it, or it is known to 2°.
+ * @property {number | null} up_off_deg  What is said as ±; null where nobody knows it, or somebody drew it.
+ * @property {boolean} up_is_sure  Whether it is known to 2°, or somebody drew it.
  * @property {number} tilt_deg
  * @property {number} roll_deg
  * @property {{ drafts: number, keyframes: number, segments: number } | null} lifts  What drafting anew for this up

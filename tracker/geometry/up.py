@@ -109,9 +109,9 @@ class UpEstimate(UnsureUp):
 
     @property
     def sources(self) -> tuple[UpSource, ...]:
-        """What it rests on: those that agree and weigh something."""
-        whole = float(np.trace(self.precision))
-        heavy = [one for one in self.used if np.trace(one.precision) > LEAST_SHARE * whole]
+        """What it rests on: those that agree and weigh something beside each other."""
+        whole = sum(float(np.trace(one.precision)) for one in self.used)
+        heavy = [one for one in self.used if np.trace(one.precision) >= LEAST_SHARE * whole]
         return tuple(one.source for one in heavy)
 
 

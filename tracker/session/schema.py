@@ -226,7 +226,7 @@ class World(Plain):
         default=(),
         exclude_if=operator.not_,
         description="What up was found from: upright lines, how the person stands, where feet "
-        "stand; left out where somebody set it.",
+        'stand, and "set" where somebody chose that; left out where somebody drew it.',
     )
     up_sigma_rad: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
         default=None,
@@ -247,8 +247,10 @@ class World(Plain):
         """Sessions once said only whether up was found from pinned feet."""
         if not isinstance(data, dict) or "up_from_feet" not in data:
             return data
+        if not isinstance(data["up_from_feet"], bool | None):
+            raise ValueError("up_from_feet: is neither true nor false")
         rest = {name: value for name, value in data.items() if name != "up_from_feet"}
-        return {**({"up_from": ("feet",)} if data["up_from_feet"] is True else {}), **rest}
+        return {**({"up_from": ("feet", "set")} if data["up_from_feet"] else {}), **rest}
 
 
 class Session(Plain):
@@ -373,10 +375,16 @@ class Session(Plain):
             {"up_from": found.sources, "up_sigma_rad": round(found.sigma_rad, 6)}
         )
 
+    def with_up_chosen(self, chosen: UpEstimate) -> Self:
+        """Set what is up as a person chose it of what was found: it stays as that."""
+        found = self.with_up_found(chosen)
+        return found.changed({"up_from": (*chosen.sources, "set")})
+
     @property
     def has_up_of_hand(self) -> bool:
-        """Return whether somebody said what is up."""
-        return self.world.up_world is not None and not self.world.up_from
+        """Whether somebody said what is up, or chose it of what was found."""
+        world = self.world
+        return world.up_world is not None and (not world.up_from or "set" in world.up_from)
 
     @property
     def spans(self) -> tuple[tuple[int, int], ...]:

@@ -27,7 +27,6 @@ from keypose.tracker.geometry.up import (
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.solver.sigmas import (
     FORWARD_LEAN_RAD,
-    LEAN_RAD,
     LEVEL_M,
     ROLL_RAD,
     STANCE_DEPTH,
@@ -61,13 +60,12 @@ JOINT_OF: Final = {
 """Parts that begin at a person's joints."""
 
 
-def up_from_places(p_world: Array, up_world: Array) -> UpEstimate:
+def up_from_places(p_world: Array, known: UpEvidence = HELD_LEVEL) -> UpEstimate:
     """Up by places (N, 3) that lie on one level floor, metres.
 
-    up_world: unit vector (3,), what is known of up. It decides what the places do not show: those
-    along one line show the slope along it alone.
+    known: of up. It decides what the places do not show: those along one line show the slope along
+    it alone.
     """
-    known = UpEvidence.of(np.asarray(up_world, dtype=np.float64), LEAN_RAD, "set")
     return up_of_one(evidence_of_places(p_world, known.up), known)
 
 

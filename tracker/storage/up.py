@@ -20,6 +20,7 @@ from keypose.tracker.geometry.up import (
 )
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
+from keypose.tracker.solver.sigmas import LEAN_RAD
 from keypose.tracker.space.level import HELD_LEVEL, evidence_of_standing
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.space import stances, up_of
@@ -52,10 +53,17 @@ def estimated_up(
     if not session.has_up_of_hand:
         found = _without_stairs(combined(evidence, HELD_LEVEL))
         return found if found is not None and found.used[0].sigma_rad < MOST_SIGMA_RAD else None
-    known = UpEvidence.of(up_of(session), SET_RAD, "set")
+    known = UpEvidence.of(up_of(session), _set_rad(session), "set")
     off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
     apart = tuple(one for one in off if one.sigmas >= MOST_APART)
     return UpEstimate(known.up, known.precision, (known,), apart)
+
+
+def _set_rad(session: Session) -> float:
+    """The standard deviation of up as somebody set it, or chose it of what was found; sessions once
+    did not say it of feet that a person levelled."""
+    world = session.world
+    return world.up_sigma_rad or (LEAN_RAD if world.up_from else SET_RAD)
 
 
 def _without_stairs(found: UpEstimate | None) -> UpEstimate | None:

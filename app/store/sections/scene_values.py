@@ -119,21 +119,21 @@ def _lifts(app_state: AppState, doc: Session) -> Json:
 def _up_origin(doc: Session) -> str:
     if doc.world.up_world is None:
         return "camera"
-    if doc.has_up_of_hand:
-        return "drawn"
-    return "feet" if doc.world.up_from[0] == "feet" else "found"
+    if not doc.has_up_of_hand:
+        return "found"
+    return "feet" if "feet" in doc.world.up_from and doc.subject.pins else "drawn"
 
 
 def _up_off_deg(doc: Session) -> int | None:
-    """What is said as ± of what was found; None of what somebody set."""
+    """What is said as ± of what was found; None of what somebody drew."""
     sigma_rad = doc.world.up_sigma_rad
     return None if sigma_rad is None else off_deg(sigma_rad)
 
 
 def _up_is_sure(doc: Session) -> bool:
-    """Return whether somebody set it, or it is known well enough to need no horizon."""
+    """Whether it is known well enough to need no horizon, or somebody set it."""
     off = _up_off_deg(doc)
-    return doc.has_up_of_hand or (off is not None and off <= SURE_DEG)
+    return doc.has_up_of_hand if off is None else off <= SURE_DEG
 
 
 def found_up(app_state: AppState) -> Json:

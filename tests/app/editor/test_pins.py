@@ -273,7 +273,7 @@ def test_up_is_found_from_pinned_feet_in_one_step() -> None:
     pinned = after(desk(), {**FOOT, "frame": 6}, other)
     found = after(pinned, {"do": "up_from_feet"})
     assert found.doc.world.up_world is not None
-    assert found.doc.world.up_from == ("feet",)
+    assert found.doc.world.up_from == ("feet", "set")
     assert found.doc.world.floor_m != pinned.doc.world.floor_m
     assert after(found, {"do": "undo"}).doc == pinned.doc
     drawn = after(found, {"do": "vertical", "a": (100, 40), "b": (103, 200)})

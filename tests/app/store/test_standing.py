@@ -238,8 +238,11 @@ async def test_where_ways_disagree_either_can_be_taken_in_one_step(at: Desk) -> 
     taken = {name: asked["choices"][1][name] for name in ("up", "sigma_deg", "source")}
     at.do({"do": "take_up", **taken})
     np.testing.assert_allclose(at.doc.world.up_world, stands, atol=1e-5)
-    assert at.doc.world.up_from == ("person",)
+    assert at.doc.world.up_from == ("person", "set")
+    assert at.doc.has_up_of_hand
     assert at.section("up") is None
+    assert at.section("camera")["up_off_deg"] == 3
+    assert not at.section("camera")["up_is_sure"]
     at.do({"do": "undo"})
     assert at.doc == before
 

@@ -83,6 +83,15 @@ def test_how_cameras_are_held_helps_where_little_is_seen_and_gives_way_where_muc
     assert combined([], prior) is None
 
 
+@pytest.mark.parametrize("spread_deg", [2.0, 20.0, 60.0, 3000.0])
+def test_what_was_found_names_what_it_rests_on_however_little_that_shows(spread_deg: float) -> None:
+    prior = UpEvidence.of(LEVEL, np.radians(3.0), "level")
+    found = combined([evidence(1.0, spread_deg, "feet")], prior)
+    assert found is not None
+    assert found.sources == ("feet",)
+    assert up_of_one(evidence(1.0, spread_deg, "feet"), prior).sources == ("feet",)
+
+
 def test_a_lens_that_is_a_guess_makes_the_tilt_less_sure_and_not_the_roll() -> None:
     seen = evidence(20.0, 0.5).seen_by_lens(0.3)
     assert seen.sigma_along(AHEAD) == pytest.approx(0.15 * np.sin(np.radians(40)), rel=0.1)

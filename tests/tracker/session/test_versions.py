@@ -90,7 +90,7 @@ def test_fields_that_are_not_known_survive_wherever_they_stand(tmp_path: Path) -
     assert json.loads(path.read_bytes()) == data
 
 
-@pytest.mark.parametrize(("was", "becomes"), [(True, ("feet",)), (False, ())])
+@pytest.mark.parametrize(("was", "becomes"), [(True, ("feet", "set")), (False, ())])
 def test_up_that_was_found_from_pinned_feet_is_still_known_to_be(
     tmp_path: Path, was: bool, becomes: tuple[str, ...]
 ) -> None:
@@ -102,4 +102,9 @@ def test_up_that_was_found_from_pinned_feet_is_still_known_to_be(
     session = load_session(path)
     assert session.world.up_from == becomes
     save_session(session, path)
+    assert session.has_up_of_hand
     assert "up_from_feet" not in json.loads(path.read_bytes())["world"]
+    data["world"]["up_from_feet"] = "yes"
+    path.write_text(json.dumps(data))
+    with pytest.raises(SessionError, match="up_from_feet: is neither true nor false"):
+        load_session(path)

@@ -22,6 +22,7 @@ from keypose.tracker.space.level import (
 from tests.rendering.scenes import Scene, scene
 
 CAMERA_UP = np.array([0.0, -1.0, 0.0])
+LEANING = UpEvidence.of(CAMERA_UP, np.radians(5.0), "set")
 
 
 def floor_places(up: Array, seed: int, *, spread_m: tuple[float, float]) -> Array:
@@ -48,18 +49,26 @@ def angle_deg(a: Array, b: Array) -> float:
 @pytest.mark.parametrize("seed", range(5))
 def test_places_all_over_a_floor_give_up(seed: int) -> None:
     lean = Rotation.from_euler("xz", [4.0, -3.0], degrees=True).apply(CAMERA_UP)
-    found = up_from_places(floor_places(lean, seed, spread_m=(2.0, 2.0)), CAMERA_UP)
+    found = up_from_places(floor_places(lean, seed, spread_m=(2.0, 2.0)), LEANING)
     assert angle_deg(found.up, lean) < 0.5
 
 
 def test_places_in_one_line_give_the_slope_along_it_alone() -> None:
     lean = Rotation.from_euler("z", 3.0, degrees=True).apply(CAMERA_UP)
-    found = up_from_places(floor_places(lean, 1, spread_m=(2.5, 0.0)), CAMERA_UP)
+    found = up_from_places(floor_places(lean, 1, spread_m=(2.5, 0.0)), LEANING)
     assert angle_deg(found.up, lean) < 0.6
 
 
 def test_one_place_leaves_up_as_it_is_known() -> None:
-    np.testing.assert_allclose(up_from_places(np.ones((1, 3)), CAMERA_UP).up, CAMERA_UP)
+    np.testing.assert_allclose(up_from_places(np.ones((1, 3)), LEANING).up, CAMERA_UP)
+
+
+def test_two_steps_side_by_side_say_nothing_of_a_tilt_that_nobody_knows() -> None:
+    steps = np.array([[0.0, 1.5, 6.0], [1.0, 1.5, 6.0]])
+    found = up_from_places(steps)
+    assert found.sigma_rad > np.radians(15)
+    assert found.sigma_along(np.array([1.0, 0.0, 0.0])) < np.radians(3)
+    assert up_from_places(steps, LEANING).sigma_rad == pytest.approx(np.radians(5), rel=0.05)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation
-from keypose.tracker.geometry.up import UpEvidence
+from keypose.tracker.geometry.up import UpEvidence, UpSource
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
@@ -127,6 +127,21 @@ def test_up_that_was_found_is_found_anew_and_what_was_set_stays() -> None:
     assert stood(known(), upright(-UP @ np.diag([1, 1, -1])).evidence).up.up == pytest.approx(
         UP, abs=1e-6
     )
+
+
+@pytest.mark.parametrize("up_from", [("person", "set"), ("feet", "set"), ("set",)])
+@pytest.mark.parametrize("sigma_deg", [None, 2.0])
+def test_up_that_somebody_chose_of_what_was_found_stays_and_what_disagrees_is_named(
+    up_from: tuple[UpSource, ...], sigma_deg: float | None
+) -> None:
+    sigma_rad = None if sigma_deg is None else np.radians(sigma_deg)
+    chosen = known(up_from=up_from, up_sigma_rad=sigma_rad)
+    other = exp_rotation(np.array([np.radians(25.0), 0.0, 0.0])) @ UP
+    done = stood(chosen, upright(other).evidence)
+    np.testing.assert_allclose(done.up.up, UP, atol=1e-6)
+    assert done.session.has_up_of_hand
+    assert done.session.world.up_from == up_from
+    assert [one.evidence.source for one in done.up.apart] == ["lines"]
 
 
 @pytest.mark.parametrize("turned_deg", [0.0, 15.0])
