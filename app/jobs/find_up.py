@@ -36,13 +36,14 @@ class FoundUp:
 
     estimate: in the world; None where nothing shows it.  lines: upright ones that agree, None where
     few do or nobody looked.  frame: in which these are seen, of a camera that moves; None where it
-    stands still.  after: the document with it.
+    stands still.  after: the document with it.  seen: what lines of the whole film show.
     """
 
     estimate: UpEstimate | None
     lines: UprightLines | None = None
     frame: int | None = None
     after: Session | None = None
+    seen: UpEvidence | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +104,10 @@ def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
 
     lines = upright_lines(session, video)
     found = None if lines is None else estimated_up(session, {}, lines.evidence)
-    if lines is None or found is None:
+    if lines is None:
         return session, nothing_words()
-    if not lines.is_sure:
-        return session, unsure_words(found)
+    if found is None or not lines.is_sure:
+        return session, unsure_words(lines.evidence)
     return session.with_up_found(found), up_words(found)
 
 
@@ -120,7 +121,7 @@ class FindUp(Fit):
 
     title = "Looking for what is up"
     needs_loops = False
-    why_cancelled = "Cancelled because the camera changed."
+    why_cancelled = "Cancelled because the camera, the body, keyframes or pins changed."
     not_of_surfaces = "A film is needed to find the up direction."
 
     @classmethod
@@ -137,14 +138,18 @@ class FindUp(Fit):
         seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
         free = session.with_up(None)  # asked for anew, whatever was set
         motions = motions_of(free, self.fitting)
-        return FoundUp(estimated_up(free, motions, seen.evidence), seen.lines, seen.frame)
+        estimate = estimated_up(free, motions, seen.evidence)
+        return FoundUp(estimate, seen.lines, seen.frame, seen=seen.evidence)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        return *filmed_by(doc), doc.world.up_world, doc.world.up_from
+        subject = doc.subject
+        of_motion = subject.body, subject.keyframes, subject.part_keyframes, subject.pins
+        up = doc.world.up_world, doc.world.up_from
+        return *filmed_by(doc), *of_motion, subject.drafted, doc.settings, *up
 
     def apply(self, found: FoundUp, state: AppState) -> tuple[AppState, str]:
         edit, estimate = state.editing, found.estimate
         if estimate is None:
-            return state, nothing_words()
+            return state, nothing_words() if found.seen is None else unsure_words(found.seen)
         after = edit.with_step(edit.doc.with_up_found(estimate), LABEL)
         return replace(state, edit=after, up=replace(found, after=after.doc)), ""  # it has a card

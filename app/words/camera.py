@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
@@ -9,6 +10,8 @@ from keypose.app.words.up import SIGMAS_SAID
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraWay
 
+MOST_DECIMALS: Final = 3
+"""Millimetres."""
 KINDS: Final = {
     "static": "The camera stands still",
     "turns": "The camera turns",
@@ -59,9 +62,15 @@ def _way_sentence(way: CameraWay, several: bool) -> str:
     off_m = SIGMAS_SAID * way.sigma * way.farthest_m
     frames = f"Frames {way.first_frame}–{way.last_frame}: the" if several else "The"
     return (
-        f"{frames} camera went {way.farthest_m:.2g} m ± {off_m:.1g} m from where it began, by "
+        f"{frames} camera went {_metres(way.farthest_m, off_m)} from where it began, by "
         "where feet stand and how the body moves."
     )
+
+
+def _metres(length: float, off: float) -> str:
+    """Such as "123 m ± 21 m" or "0.34 m ± 0.05 m": as many decimals as the ± has a meaning for."""
+    decimals = min(max(-math.floor(math.log10(off)), 0), MOST_DECIMALS) if off > 0 else 2
+    return f"{length:.{decimals}f} m ± {off:.{decimals}f} m"
 
 
 def unscaled_words(session: Session) -> str | None:

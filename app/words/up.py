@@ -13,7 +13,7 @@ from keypose.tracker.errors import listed
 
 if TYPE_CHECKING:
     from keypose.tracker.geometry.rotations import Array
-    from keypose.tracker.geometry.up import UpEstimate, UpEvidence, UpSource
+    from keypose.tracker.geometry.up import UnsureUp, UpEstimate, UpEvidence, UpSource
 
 SIGMAS_SAID: Final = 2.0
 """Standard deviations that are said as ±: nine in ten are off by no more."""
@@ -23,6 +23,8 @@ ROUNDING_DEG: Final = 0.05
 """Of what is no more than a whole number."""
 MOST_SAID_DEG: Final = 45
 """A ± that is larger says nothing."""
+NOTHING_DEG: Final = 90
+"""By no more anything is off whose sign is known."""
 
 SOURCES: Final[Mapping[UpSource, str]] = {
     "lines": "upright lines",
@@ -53,15 +55,13 @@ def apart_words(found: UpEstimate) -> str:
     if not found.apart:
         return ""
     used, worst = found.used[0], max(found.apart, key=lambda one: one.sigmas).evidence
-    axis = _axis_apart(used.up, worst.up)
+    axis = _axis_apart(used, worst)
     says = f"{SOURCES[worst.source]} {_SAY.get(worst.source, 'says')}"
     (way, deg), (other_way, other_deg) = (_angle(each.up, axis) for each in (used, worst))
+    off, other_off = (off_words(_sigma_rad(each, axis)) for each in (used, worst))
     first = f"{SOURCES[used.source]} {_SAY.get(used.source, 'says')} the camera {way}{deg}"
     other = other_deg.removeprefix(" by ") if way == other_way else f"it {other_way}{other_deg}"
-    return (
-        f"{first[0].upper()}{first[1:]}{off_words(used.sigma_along(AXES[axis]))}, {says} {other}"
-        f"{off_words(worst.sigma_along(AXES[axis]))}."
-    )
+    return f"{first[0].upper()}{first[1:]}{off}, {says} {other}{other_off}."
 
 
 def choice_words(evidence: UpEvidence) -> str:
@@ -69,16 +69,17 @@ def choice_words(evidence: UpEvidence) -> str:
     return f"Take {SOURCES[evidence.source]}"
 
 
-def unsure_words(found: UpEstimate) -> str:
-    """What was found and not taken."""
+def unsure_words(lines: UnsureUp) -> str:
+    """What upright lines show that agree, and are not taken alone."""
+    off = min(off_deg(lines.sigma_rad), NOTHING_DEG)
     return (
-        f"Upright lines show the camera's tilt{off_words(found.sigma_rad) or ' hardly'} only, and "
-        "were not used."
+        f"Upright lines agree, and show the up direction to no better than ± {off}°: that is not "
+        "enough by itself. Draw the horizon, or two verticals."
     )
 
 
 def nothing_words() -> str:
-    """Where nothing shows what is up."""
+    """Where no lines agree and nothing else shows what is up."""
     return (
         "Nothing shows the up direction: too few upright lines agree. Draw the horizon, or two "
         "verticals."
@@ -109,13 +110,28 @@ def _by(found: UpEstimate) -> str:
     return listed([SOURCES[source] for source in found.sources])
 
 
-AXES: Final = {"tilt": np.array([0.0, 0.0, 1.0]), "roll": np.array([1.0, 0.0, 0.0])}
-"""Along which up moves with a camera's tilt and with its roll."""
+LEAST_ACROSS: Final = 1e-3
+"""Of up in a camera that looks straight down or up, which has no roll."""
 
 
-def _axis_apart(one: Array, other: Array) -> str:
-    off = np.abs(one - other)
-    return "roll" if off[0] > off[2] else "tilt"
+def _sigma_rad(of: UnsureUp, axis: str) -> float:
+    """The standard deviation of a camera's tilt or roll, by how these change with up."""
+    x, y = of.up[:2].tolist()
+    across = max(math.hypot(x, y), LEAST_ACROSS)
+    by_up = {"tilt": (0.0, 0.0, 1.0 / across), "roll": (-y / across**2, x / across**2, 0.0)}
+    return of.sigma_along(np.array(by_up[axis]))
+
+
+def _axis_apart(one: UpEvidence, other: UpEvidence) -> str:
+    """Tilt or roll: in which two differ by more of their standard deviation."""
+    (tilt, roll), (other_tilt, other_roll) = (tilt_and_roll(each.up) for each in (one, other))
+    off_deg = {"tilt": tilt - other_tilt, "roll": math.remainder(roll - other_roll, 360.0)}
+    return max(
+        off_deg,
+        key=lambda axis: (
+            abs(off_deg[axis]) / math.hypot(_sigma_rad(one, axis), _sigma_rad(other, axis))
+        ),
+    )
 
 
 def _angle(up_camera: Array, axis: str) -> tuple[str, str]:

@@ -42,7 +42,7 @@ class UnsureUp:
         return _sigma_rad(self.up, self.precision)
 
     def sigma_along(self, direction: Array) -> float:
-        """The standard deviation of how far up leans along a unit vector (3,)."""
+        """The standard deviation of how far up leans along a vector (3,), times its length."""
         across = _across(self.up)
         known = across @ self.precision @ across.T + LEAST_PRECISION * np.eye(2)
         along = across @ direction

@@ -42,7 +42,7 @@ LEAST_SIGMA_DEG: Final = 0.5
 """Of what is up, however many lines agree: walls and doors lean, lenses bend. Of three films whose
 cameras were calibrated it is 0.6–1.0° off, of which the lines alone would tell 0.4–0.8°."""
 MOST_SIGMA_RAD: Final = np.radians(2.5)
-"""Lines that tell less are not taken unseen."""
+"""Lines that tell less are not taken alone where nobody looks at them."""
 LEAST_AGREEING, LEAST_THINGS = 0.4, 7
 """The share of all length that has to agree, and along how many things: lines that lean this way
 and that agree on six by chance; seven films of walls and windows show eight and more."""
@@ -74,9 +74,9 @@ class UprightLines:
 
     @property
     def is_sure(self) -> bool:
-        """Whether they are good enough to be taken where nobody looks at them: up that is 10° off
-        harms drafts more than up that is unknown. A lens that is a guess tilts all that is seen by
-        it alike, and does not count."""
+        """Whether they are good enough to be taken alone where nobody looks at them: up that is 10°
+        off harms drafts more than up that is unknown. Beside a motion they count by their
+        deviation. A lens that is a guess tilts all that is seen by it alike, and does not count."""
         return bool(self.alone.sigma_rad <= MOST_SIGMA_RAD)
 
 

@@ -23,6 +23,7 @@ from keypose.tracker.geometry.up import UpEvidence, combined
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
@@ -34,6 +35,7 @@ from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, w
 from tests.tracker.storage.standing_cases import lines as upright
 
 LAST = 60
+DRAFTED = Drafted(first_frame=0, last_frame=LAST, up_camera=(0.0, -1.0, 0.0))
 KEYPOINTS = KeypointFile(file="keypoints-0123456789ab.npz", source="BlazePose", network="0")
 SHOWN, UP = walk()
 WHOLE = wandering(SHOWN.truth)
@@ -200,6 +202,18 @@ async def test_what_is_up_is_found_or_it_is_said_that_nothing_shows_it(at: Desk)
     at.do({"do": "undo"})
     assert at.doc.world.up_world is None
     assert at.section("camera")["up_off_deg"] is None
+
+
+async def test_up_by_a_motion_that_is_no_longer_that_is_not_taken(at: Desk) -> None:
+    at.track()
+    at.do({"do": "find_up"})
+    order, before = at.order, at.doc
+    assert isinstance(order, FindUp)
+    pins = (Pin(part="left_foot", landmarks=("left_heel",), first_frame=3, last_frame=9),)
+    keyframes = before.subject.keyframes[1:]
+    for changes in ({"pins": pins}, {"keyframes": keyframes}, {"drafted": DRAFTED}):
+        assert order.inputs(before.changed(changes)) != order.inputs(before), changes
+    assert order.inputs(before.changed({"title": "Walk"})) == order.inputs(before)
 
 
 @pytest.mark.parametrize("goes", ["level_camera", "close_up", "undo"])

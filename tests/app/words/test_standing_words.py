@@ -31,6 +31,7 @@ WALKED = CameraMotion.of(
     CameraPath(WAY, np.ones(3)),
     pieces=(CameraPiece(first_frame=0, metres=2.0, sigma=0.1),),
 )
+FAR = WALKED.model_copy(update={"pieces": (CameraPiece(first_frame=0, metres=123.2, sigma=0.1),)})
 PLAIN = Standing(
     session=PLAIN_SESSION, taken=3, on_floor=4, softened=(0,), raised=(), up=SET,
     released=(), harms=(replace(SEEN, amount=2.2, share=0.3),), hanging=(), tilted_rad=0.0,
@@ -63,7 +64,12 @@ SAID: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "scaled": (
         {"scaled": True, "session": PLAIN_SESSION.changed({"camera_motion": WALKED})},
-        "The camera went 2 m ± 0.4 m from where it began, by where feet stand and how the body "
+        "The camera went 2.0 m ± 0.4 m from where it began, by where feet stand and how the body "
+        "moves.",
+    ),
+    "far": (
+        {"scaled": True, "session": PLAIN_SESSION.changed({"camera_motion": FAR})},
+        "The camera went 123 m ± 25 m from where it began, by where feet stand and how the body "
         "moves.",
     ),
     "no scale": (
