@@ -12,6 +12,7 @@ from keypose.app.jobs.find_up import FoundUp, SeenLines, seen_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.words.standing import standing_words
+from keypose.tracker.errors import KeyposeError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.actions import Stand
     from keypose.app.editor.state import EditorState
     from keypose.app.store.state import AppState
+    from keypose.tracker.geometry.up import UpEvidence
     from keypose.tracker.storage.results import Results
     from keypose.tracker.storage.standing import Standing
 
@@ -51,21 +53,33 @@ def stood(
 
     path: of its file.  results: what was tracked.
     """
-    from keypose.tracker.storage.files import open_video_of  # loads what only this needs
-    from keypose.tracker.storage.space import solved
+    from keypose.tracker.storage.space import solved  # loads what only this needs
     from keypose.tracker.storage.standing import stand
     from keypose.tracker.storage.tracks import load_tracks
 
-    seen = None
-    is_camera_known = session.has_static_camera or session.camera_path is not None
-    if is_camera_known and not session.has_up_of_hand:  # else no film is needed
-        with open_video_of(session, path) as video:
-            seen = seen_lines(session, video).evidence
+    seen = _seen(session, path)
     motion = None if session.subject.results is None else load_tracks(session, path)
     done = stand(session, results.fitting(session), seen, cancelled, motion=motion)
     for stretch in results.unsolved(done.session):
         results = results.with_space(solved(done.session, stretch, cancelled))
     return done, results
+
+
+def _seen(session: Session, path: Path) -> UpEvidence | None:
+    """What lines of a saved session's film show of up; beside up that is set they are but a check,
+    which a film that is gone does not have."""
+    from keypose.tracker.storage.files import open_video_of  # loads what only this needs
+
+    if not session.has_static_camera and session.camera_path is None:
+        return None
+    try:
+        video = open_video_of(session, path)
+    except KeyposeError:
+        if session.has_up_of_hand:
+            return None
+        raise
+    with video:
+        return seen_lines(session, video).evidence
 
 
 @dataclass(frozen=True)

@@ -335,6 +335,13 @@ class Session(Plain):
         return bool(found if chosen is None else chosen)
 
     @property
+    def has_unknown_motion(self) -> bool:
+        """Whether the camera is said, or was found, to move, and nobody knows how."""
+        chosen, found = self.settings.static_camera, self.view.video.stands_still
+        moves = (found if chosen is None else chosen) is False
+        return moves and self.view.camera_motion is None
+
+    @property
     def camera_path(self) -> CameraPath | None:
         """Return where the camera was at every frame, as a person corrected it; None where it
         stands still, or where that is not known: then the camera is the world.

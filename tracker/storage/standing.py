@@ -159,6 +159,11 @@ def _levelled(
     skeleton = Skeleton.of(session.subject.body)
     longest = max(motions.values(), key=len)
     found = estimated_up(session, motions, seen)
+    if found is None and session.has_unknown_motion:
+        raise SessionError(
+            "The camera moves, and how is not known, so nothing shows what is up: find its motion "
+            "or set the horizon first."
+        )
     if found is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."

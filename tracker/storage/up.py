@@ -108,8 +108,9 @@ def evidence_of_motion(
     session: Session, motions: Mapping[Span, Trajectory]
 ) -> tuple[UpEvidence, ...]:
     """What the longest motion shows. How a person stands shows nothing where drafts were balanced
-    over their feet for an up that was known: it would only repeat that."""
-    if not motions:
+    over their feet for an up that was known: it would only repeat that. A camera that moves nobody
+    knows how turns all that is seen by it, which then shows nothing."""
+    if not motions or session.has_unknown_motion:
         return ()
     longest = max(motions.values(), key=len)
     found = evidence_of_standing(

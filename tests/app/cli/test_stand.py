@@ -8,16 +8,20 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import locked
+from keypose.app.jobs import find_up
+from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session import Session
 from keypose.tracker.session.keyframe import Keyframe
+from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
 from tests.scenes import sample
-from tests.tracker.storage.standing_cases import results_of, session_of, walk, wandering
+from tests.tracker.storage.standing_cases import lines, results_of, session_of, walk, wandering
 
 SHOWN, UP = walk()
 MOTION = wandering(SHOWN.truth)
@@ -53,6 +57,27 @@ def test_feet_stand_and_what_changed_and_is_left_is_printed(
     results = load_results(saved, path)
     assert results.unsolved(saved) == []
     assert results.space(saved)
+
+
+@pytest.mark.parametrize("has_film", [True, False])
+def test_lines_are_looked_for_beside_up_that_is_set_and_no_film_is_needed_for_it(
+    path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    has_film: bool,
+) -> None:
+    x, y, z = UP.tolist()
+    settings = TrackSettings(smooth=True, static_camera=True)
+    given = load_session(path).changed({"up_world": (x, y, z), "settings": settings})
+    save_session(save_results(given, path, results_of(given, MOTION)), path)
+    leaning = lines(exp_rotation(np.radians([20.0, 0.0, 0.0])) @ UP)
+    monkeypatch.setattr(find_up, "upright_lines", lambda *_: leaning)
+    if not has_film:
+        (path.parent / load_session(path).view.video.path).unlink()
+    assert main(["stand", str(path), "--dry-run", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["up_from"] == ["set"]
+    assert [one["from"] for one in said["up_apart"]] == (["lines"] if has_film else [])
 
 
 def test_a_dry_run_says_the_same_and_writes_nothing(

@@ -194,6 +194,22 @@ def test_twenty_pinned_stances_all_over_a_floor_show_up_without_anybody_upright(
     assert off_deg < 2 * np.degrees(found.sigma_rad) < 6
 
 
+@pytest.mark.parametrize(("is_static", "shows"), [(None, True), (True, True), (False, False)])
+def test_a_camera_that_moves_nobody_knows_how_shows_no_up_by_what_is_seen_in_it(
+    is_static: bool | None, shows: bool
+) -> None:
+    settings = TrackSettings(smooth=True, static_camera=is_static)
+    given = session(settings=settings)
+    assert (estimated_up(given, {(0, 90): MOTION}) is not None) == shows
+    found = estimated_up(given, {(0, 90): MOTION}, upright(UP).evidence)
+    assert found is not None
+    assert found.sources[0] == "lines"
+    if not shows:
+        with pytest.raises(SessionError, match="camera moves, and how is not known") as refused:
+            stood(given)
+        assert str(refused.value).count(".") == 1
+
+
 def test_drafts_that_were_balanced_for_an_up_do_not_bear_it_out() -> None:
     drafted = Drafted(first_frame=0, last_frame=90, up_camera=tuple(UP.tolist()))
     found = estimated_up(session(drafted=drafted), {(0, 90): MOTION}, upright(UP).evidence)
