@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from contextlib import nullcontext
+from dataclasses import replace
 
 import numpy as np
 
@@ -34,9 +35,10 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             with share_reporter(arguments.json) as report:
                 found = find_saved(session, path, arguments.kind, report)
-            after = with_found(session, found)
             if arguments.went is not None:
-                after = _with_way(after, arguments.went)
+                after = _with_way(with_found(session, found), arguments.went)
+                found = replace(found, motion=after.view.camera_motion)
+            after = with_found(session, found)
         if not arguments.dry_run:
             save_session(after, path)
     _print(found, after, arguments)

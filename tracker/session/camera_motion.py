@@ -31,6 +31,8 @@ NUMBERS = 8
 OFF_UNIT = 1e-3
 """How far the length of a quaternion may be from 1."""
 MOST_ZOOM = 1000.0
+MOST_METRES = 1e6
+"""Of the unit of a path: one that is longer goes nowhere in it."""
 FARTHEST = 1e6
 """Metres, or units of its own, that a camera may be away from where it was at first."""
 
@@ -100,7 +102,7 @@ class CameraPiece(Plain):
     ties it to what was before, so its unit is its own."""
 
     first_frame: FrameIndex
-    metres: Annotated[FiniteFloat, Field(gt=0, le=1e6)] | None = Field(
+    metres: Annotated[FiniteFloat, Field(gt=0, le=MOST_METRES)] | None = Field(
         default=1.0,
         exclude_if=_is_one,
         description="How long the unit of its places is; null where nothing tells: then the "
@@ -228,10 +230,15 @@ class CameraMotion(Plain):
 
     def with_way(self, first_frame: int, farthest_m: float) -> Self:
         """The motion whose piece that begins at a frame goes so far from there, as somebody knows;
-        ValueError where there is no such piece, or its camera goes nowhere."""
+        ValueError in one sentence where there is no such piece, or its camera goes nowhere."""
         way = next((one for one in self.ways if one.first_frame == first_frame), None)
-        if way is None or way.farthest == 0:
+        if way is None:
             raise ValueError("No way of the camera begins at this frame.")
+        if way.farthest * MOST_METRES < farthest_m:
+            raise ValueError(
+                f"The camera stays where it is in frames {way.first_frame}–{way.last_frame}: its "
+                "path there has no length that a scale could be taken from."
+            )
         metres = float(f"{farthest_m / way.farthest:.7g}")
         known = CameraPiece(first_frame=first_frame, metres=metres)
         pieces = (known if one.first_frame == first_frame else one for one in self.pieces)

@@ -258,8 +258,12 @@ def with_known_way(session: Session, first_frame: int, farthest_m: float) -> Ses
     """The session whose camera went so far from where it was at a frame at which a piece of its
     motion begins. CameraError in one sentence where it went nowhere."""
     motion = session.view.camera_motion
-    if motion is None or motion.kind != "moves":
-        raise CameraError("The camera does not move: find its motion first.")
+    if session.has_static_camera:
+        raise CameraError("The camera stands still: its path has no length.")
+    if motion is None:
+        raise CameraError("Nothing is known of the camera's motion: find it first.")
+    if motion.kind != "moves":
+        raise CameraError("The camera turns and goes nowhere: its path has no length.")
     try:
         return _with_motion(session, motion.with_way(first_frame, farthest_m))
     except ValueError as error:

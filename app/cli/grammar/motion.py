@@ -142,20 +142,21 @@ def add_camera(commands: Subcommands) -> None:
     )
     command = add_command(commands, "camera", details, _CAMERA_EXAMPLES)
     add_session(command)
-    command.add_argument(
+    what = command.add_mutually_exclusive_group()
+    what.add_argument(
         "--kind", choices=("static", "turns", "moves"), help="how it moves, where you know"
     )
-    command.add_argument(
+    what.add_argument(
         "--background", type=file_name, metavar="FILE.png",
         help="write what stands behind the body, put together all around, of a camera that turns "
         "and is known; nothing else is done",
     )  # fmt: skip
-    command.add_argument(
+    what.add_argument(
         "--went", type=typed(Number(least=0.01, most=10_000, unit="m")), metavar="METRES",
         help="how far the camera went from where it began, where you know: the scale of its path; "
         "a motion that is known is not looked for again",
     )  # fmt: skip
-    command.add_argument("--forget", action="store_true", help="leave the camera as it was")
+    what.add_argument("--forget", action="store_true", help="leave the camera as it was")
     command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"
     )

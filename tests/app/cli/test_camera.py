@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json
-from contextlib import suppress
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from keypose.app.cli import camera
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import locked
 from keypose.app.words.camera import finding_sentences, unscaled_words
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import transpose
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
-from keypose.tracker.storage.camera_motion import points_of
+from keypose.tracker.storage.camera_motion import FoundCamera, points_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import segment_keys
 from tests.scenes import sample
@@ -217,8 +217,46 @@ def test_how_far_the_camera_went_gives_its_path_a_scale(
     assert np.linalg.norm(places - places[0], axis=1).max() == pytest.approx(3.2, rel=1e-3)
 
 
+def exit_code(*arguments: str) -> object:
+    """What a shell is given, also where the arguments themselves are refused."""
+    try:
+        return main(list(arguments))
+    except SystemExit as left:
+        return left.code
+
+
+@pytest.mark.parametrize(
+    "orders", [("--forget", "--went", "3"), ("--kind", "turns", "--went", "3"),
+               ("--forget", "--kind", "moves"), ("--background", "wall.png", "--forget")],
+)  # fmt: skip
+def test_orders_that_exclude_each_other_are_refused_and_change_nothing(
+    path: Path, capsys: pytest.CaptureFixture[str], orders: tuple[str, ...]
+) -> None:
+    before = path.read_bytes()
+    assert exit_code("camera", str(path), *orders) == 2
+    assert "not allowed with" in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
+def test_a_camera_that_is_found_with_how_far_it_went_is_worded_as_it_is_then(
+    path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    walks(path)
+    motion = load_session(path).view.camera_motion
+    save_session(panned.panned().changed({"camera_motion": None}), path)
+    found = FoundCamera("moves", motion, None, (), None)
+    monkeypatch.setattr(camera, "find_saved", lambda *_: found)
+    assert main(["camera", str(path), "--went", "3.2"]) == 0
+    said = capsys.readouterr().out
+    assert "it went 3.2 m from where it began" in said
+    assert "not known yet" not in said
+    known = load_session(path).view.camera_motion
+    assert known is not None
+    assert known.ways[0].farthest_m == pytest.approx(3.2, rel=1e-6)
+
+
 REFUSED = {
-    "a pan goes nowhere": (None, "3", "The camera does not move"),
+    "a pan goes nowhere": (None, "3", "The camera turns and goes nowhere"),
     "several pieces": ((0, 9), "3", "The camera's path is in several pieces"),
     "no way": ((0,), "0", "is not a number from 0.01 to 10000"),
     "no number": ((0,), "far", "is not a number from 0.01 to 10000"),
@@ -235,7 +273,6 @@ def test_what_gives_no_scale_is_said_in_one_sentence_and_changes_nothing(
     else:
         walks(path, starts)
     before = path.read_bytes()
-    with suppress(SystemExit):
-        assert main(["camera", str(path), "--went", metres]) == 2
+    assert exit_code("camera", str(path), "--went", metres) == 2
     assert words in capsys.readouterr().err
     assert path.read_bytes() == before

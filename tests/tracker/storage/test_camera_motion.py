@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from keypose.tracker.geometry.rotations import exp_rotation, transform
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion, CameraPiece
 from keypose.tracker.session.references import Repeats
+from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.camera_motion import (
     FoundCamera,
     background_picture,
@@ -88,8 +91,39 @@ def test_how_far_the_camera_went_comes_with_its_deviation_and_gives_way_to_what_
     centres = places.Ts_world_camera[CUT:, :3, 3]
     assert np.linalg.norm(centres - centres[0], axis=1).max() == pytest.approx(3.0)
     assert with_scale(known, fitting).view.camera_motion.ways[1] == second  # type: ignore[union-attr]
-    with pytest.raises(CameraError, match="No way of the camera begins"):
-        with_known_way(session, CUT + 1, 3.0)
+
+
+def wandering(metres: float, **changes: Any) -> Session:
+    """Somebody before a camera that goes so far."""
+    p = np.linspace(0, metres, COUNT)[:, None] * [1.0, 0.0, 0.0]
+    path = CameraPath(
+        rigid_inverse(transform(np.tile(np.eye(3), (COUNT, 1, 1)), p)), np.ones(COUNT)
+    )
+    pieces = (CameraPiece(first_frame=0, metres=None),)
+    session, _ = carried((None, None))
+    return session.changed(
+        {"camera_motion": CameraMotion.of("moves", path, pieces=pieces), **changes}
+    )
+
+
+PANS = CameraMotion.of("turns", CameraPath.standing_still(COUNT))
+STILL = TrackSettings(smooth=True, static_camera=True)
+NO_WAY: dict[str, tuple[Callable[[], Session], int, str]] = {
+    "no piece": (lambda: wandering(1.0), CUT + 1, "No way of the camera begins"),
+    "nowhere": (lambda: wandering(0.0), 0, "The camera stays where it is in frames 0–90"),
+    "hardly anywhere": (lambda: wandering(1e-6), 0, "The camera stays where it is in frames 0–90"),
+    "turns": (lambda: wandering(1.0, camera_motion=PANS), 0, "The camera turns and goes nowhere"),
+    "stands": (lambda: wandering(1.0, settings=STILL), 0, "The camera stands still"),
+    "unknown": (lambda: wandering(1.0, camera_motion=None), 0, "find it first"),
+}
+
+
+@pytest.mark.parametrize("case", NO_WAY)
+def test_a_way_that_has_no_length_is_refused_in_one_sentence(case: str) -> None:
+    make, first, words = NO_WAY[case]
+    with pytest.raises(CameraError, match=words) as refused:
+        with_known_way(make(), first, 3.0)
+    assert str(refused.value).count(".") == 1
 
 
 def test_a_piece_over_which_nothing_is_tracked_has_none_and_one_that_is_known_keeps_its_own() -> (
