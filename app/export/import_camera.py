@@ -162,13 +162,25 @@ def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotio
         for first, last in runs(missing)
     )
     exact = CameraPath(Ts_exact, zoom)
-    kind: Literal["turns", "moves"] = "moves" if exact.moves else "turns"
+    moves = exact.moves or bool(way.unscaled)
+    kind: Literal["turns", "moves"] = "moves" if moves else "turns"
     metres = 1.0 if way.is_metric or kind == "turns" else None
-    pieces = (CameraPiece(first_frame=0, metres=metres),)
+    pieces = _pieces(metres, way.unscaled, frame_count)
     try:
         return CameraMotion.of(kind, exact, None, findings, file[:120], pieces)
     except ValidationError as error:
         raise FormatError(f"{file} has numbers that no camera has: {one_sentence(error)}") from None
+
+
+def _pieces(
+    metres: float | None, unscaled: tuple[tuple[int, int], ...], frame_count: int
+) -> tuple[CameraPiece, ...]:
+    """What hangs together of a motion whose unit is as long, but for the spans without scale."""
+    within = [(max(a, 0), min(b, frame_count - 1)) for a, b in unscaled]
+    spans = [(a, b) for a, b in within if a <= b]
+    known = {0: metres, **{b + 1: metres for _, b in spans if b + 1 < frame_count}}
+    units = {**known, **dict.fromkeys((a for a, _ in spans))}
+    return tuple(CameraPiece(first_frame=at, metres=units[at]) for at in sorted(units))
 
 
 def _from_first(Ts_world_camera: Array) -> Array:

@@ -21,6 +21,7 @@ from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.sampling import at_rate, from_zero
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import apply_transform, exp_rotation
+from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.storage.archive import archive_arrays
 from tests.tracker import panned_cases as panned
 from tests.tracker.formats import recordings
@@ -57,6 +58,59 @@ def test_what_is_written_is_read_back(tmp_path: Path, name: str, write: object) 
     np.testing.assert_allclose(motion.path.Ts_camera_world, path_of().Ts_camera_world, atol=1e-6)
     np.testing.assert_allclose(motion.path.zoom, path_of().zoom, atol=1e-6)
     np.testing.assert_allclose(found.up_camera, TILTED, atol=1e-6)
+
+
+UNSCALED: dict[str, tuple[tuple[int, int], ...]] = {
+    "the whole": ((0, 72),),
+    "the beginning": ((0, 20),),
+    "two shots in a row": ((20, 40), (41, 50)),
+    "the end": ((60, 72),),
+}
+
+
+@pytest.mark.parametrize("case", UNSCALED)
+def test_what_has_no_scale_has_none_when_it_is_read_back(tmp_path: Path, case: str) -> None:
+    spans = UNSCALED[case]
+    starts = sorted({0, *(a for a, _ in spans), *(b + 1 for _, b in spans if b < FRAMES - 1)})
+    firsts = [a for a, _ in spans]
+    pieces = tuple(
+        CameraPiece(first_frame=at, metres=None if at in firsts else 1.0) for at in starts
+    )
+    given = CameraMotion.of("moves", path_of(), pieces=pieces)
+    found = read(tmp_path, "shot.json", camera_json(
+        replace(moving(), path=given.path, unscaled=spans)
+    ))  # fmt: skip
+    assert found.way is not None
+    motion = camera_motion_of(found.way, FRAMES, "shot.json")
+    assert motion.pieces == given.pieces
+    assert motion.unscaled == given.unscaled
+    np.testing.assert_allclose(
+        motion.path.Ts_camera_world, given.path.Ts_camera_world, atol=1e-6
+    )  # fmt: skip
+
+
+def test_a_camera_that_went_straight_without_scale_does_not_stand_still(tmp_path: Path) -> None:
+    made = replace(moving(), path=CameraPath.standing_still(FRAMES), unscaled=((0, FRAMES - 1),))
+    found = read(tmp_path, "shot.json", camera_json(made))
+    assert found.way is not None
+    assert camera_motion_of(found.way, FRAMES, "shot.json").unscaled
+
+
+def test_spans_without_scale_go_along_where_a_file_begins_later(tmp_path: Path) -> None:
+    found = read(tmp_path, "shot.json", camera_json(replace(moving(), unscaled=((5, 9),))))
+    assert found.way is not None
+    way, _ = placed("shot.json", found.way, FilmFrames(np.arange(100) / 30), 10)
+    assert [one.metres for one in camera_motion_of(way, 100, "shot.json").pieces] == [
+        1.0, None, 1.0,
+    ]  # fmt: skip
+    assert camera_motion_of(way, 100, "shot.json").spans[1] == (15, 19)
+
+
+@pytest.mark.parametrize("spans", [[[3]], [["a", 4]], [[-1, 4]], 5])
+def test_spans_that_are_none_are_refused_in_a_sentence(tmp_path: Path, spans: object) -> None:
+    content = {**json.loads(camera_json(moving())), "without_scale": spans}
+    with pytest.raises(FormatError, match=r"shot.json: .*without_scale"):
+        read(tmp_path, "shot.json", json.dumps(content))
 
 
 def test_of_a_camera_that_stands_still_every_byte_is_as_before() -> None:

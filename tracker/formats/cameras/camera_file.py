@@ -79,6 +79,7 @@ class CameraWay:
     names of pictures; `frames` of the film; or `seconds`.
     begins: the film's frame of the first moment, where the file knows it.
     is_metric: whether the unit of length is known.
+    unscaled: first and last frames of the film over which nothing tells how far the camera went.
     """
 
     frames: NDArray[Any]
@@ -87,6 +88,7 @@ class CameraWay:
     clock: FrameClock = "numbers"
     begins: float | None = None
     is_metric: bool = True
+    unscaled: tuple[tuple[int, int], ...] = ()
 
     def rows(self, kept: Any) -> CameraWay:
         """The same at some of the moments alone, a slice or a mask."""
@@ -157,6 +159,7 @@ def camera_file(
         raise FormatError(f"{file} has numbers that no camera has.")
     way = replace(way, Ts_world_camera=transform(Rs, T[:, :3, 3] * scale))
     stays = is_still(way.Ts_world_camera) and np.ptp(np.log(way.zoom)) <= STILL_RAD
+    stays = stays and not way.unscaled  # its way was left out
     way = way.rows(slice(1)) if stays else way
     T = way.Ts_world_camera
     Ts = transform(R_up @ nearest_rotation(T[:, :3, :3]), T[:, :3, 3] @ R_up.T)

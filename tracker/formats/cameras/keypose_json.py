@@ -22,6 +22,7 @@ from keypose.tracker.formats.cameras.camera_file import (
 from keypose.tracker.geometry.camera import Camera
 
 Row: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+_Frame: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 WHOLE_FRAMES: Final = 1e-3
 """Frames by which rounding may stretch a film that keeps its rate."""
 
@@ -38,13 +39,14 @@ class _CameraFields(BaseModel):
     first_frame: FiniteFloat = 0.0
     last_frame: FiniteFloat = 0.0
     film_frames: tuple[FiniteFloat, FiniteFloat] | None = None
+    without_scale: tuple[tuple[_Frame, _Frame], ...] = ()
     frames_per_second: Annotated[FiniteFloat, Field(gt=0)] | None = None
 
 
 class _CameraFrame(BaseModel):
     """Where the camera was at a frame, and its focal length in pixels."""
 
-    frame: Annotated[int, Field(ge=0, le=100_000_000)]
+    frame: _Frame
     T_world_camera: tuple[Row, Row, Row, Row]
     fy: Annotated[FiniteFloat, Field(gt=0)]
 
@@ -60,7 +62,7 @@ def read_keypose_json(
         raise FormatError(f"{file}: {one_sentence(error)}") from None
     way = _way(file, fields, camera)
     lens = resized(file, camera.zoomed(float(way.zoom[0])), size)
-    way = replace(way, zoom=way.zoom / way.zoom[0])
+    way = replace(way, zoom=way.zoom / way.zoom[0], unscaled=fields.without_scale)
     return camera_file(file, lens, way, reading, floor_y=fields.floor_m)
 
 

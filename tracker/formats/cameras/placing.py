@@ -67,7 +67,14 @@ def placed(
     if why:
         ends = (float(each) for each in (*way.frames[[0, -1]], *frames[[0, -1]]))
         notes = (Note("camera frames", (why, *ends)),)
-    return _on_frames(way, frames, len(film)), notes
+    return _on_frames(_with_spans_from(way, frames), frames, len(film)), notes
+
+
+def _with_spans_from(way: CameraWay, frames: Array) -> CameraWay:
+    """The way whose spans without scale lie as far from its first moment as in its file."""
+    began = way.begins if way.clock == "seconds" else float(way.frames[0])
+    shift = round(float(frames[0]) - (frames[0] if began is None else began))
+    return replace(way, unscaled=tuple((a + shift, b + shift) for a, b in way.unscaled))
 
 
 def _frames(way: CameraWay, film: FilmFrames, offset: int | None) -> tuple[Array, str]:
