@@ -261,6 +261,19 @@ async def test_where_ways_disagree_either_can_be_taken_in_one_step(at: Desk) -> 
     assert at.doc == before
 
 
+@pytest.mark.parametrize(("is_pinned", "origin"), [(True, "feet"), (False, "drawn")])
+async def test_up_by_feet_that_a_person_levelled_once_is_sure_and_theirs_as_long_as_they_are_pinned(
+    at: Desk, is_pinned: bool, origin: str
+) -> None:
+    pin = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=3, last_frame=9)
+    older = at.doc.changed(
+        {"up_world": (0.0, -1.0, 0.0), "up_from": ("feet", "set"), "pins": (pin,) * is_pinned}
+    )
+    at.store._set(edit=at.edit.with_doc(older))
+    shown = at.section("camera")
+    assert (shown["up_origin"], shown["up_off_deg"], shown["up_is_sure"]) == (origin, None, True)
+
+
 async def test_drafts_for_another_up_say_so_and_are_found_anew_with_what_nobody_posed(
     at: Desk,
 ) -> None:
