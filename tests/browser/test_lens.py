@@ -307,7 +307,7 @@ def test_lines_lie_on_the_picture_and_where_ways_disagree_either_is_taken(at: De
     drawn = str(page.locator("#main .uprights path").last.get_attribute("d"))
     assert drawn.count("M") == 2
     page.locator(".fitcard").get_by_role("button", name="Take how the person stands").click()
-    until_state(page, "camera.up_origin", lambda origin: origin == "found")
+    until_state(page, "camera.up_origin", lambda origin: origin == "drawn")
     assert section(page, "camera.tilt_deg") == pytest.approx(-12, abs=0.01)
     assert section(page, "camera.up_off_deg") == 3
     assert not section(page, "camera.up_is_sure")
