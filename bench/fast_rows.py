@@ -35,7 +35,7 @@ from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 
 LOOKS = 12
-NUDGED_RAD, NUDGED_M = 0.01, 0.003
+NUDGED_M = 0.003
 CUES = {"keypoints": ("brightness", "keypoints", "silhouette"), "brightness": ("brightness",)}
 
 
@@ -70,7 +70,7 @@ class Film:
         return self._tracker
 
     def prepare(self) -> None:
-        """The pictures of the film, into memory that was not touched before."""
+        """The pictures of the film, into memory that this process has touched before."""
         fresh = Tracker(self.video, self.camera, self.skeleton, self.poses)
         for a, b in fresh.spans:
             fresh.loader((a, b)).load(a, b)

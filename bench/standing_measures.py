@@ -16,7 +16,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.space.findings import MOST_PUSH, STILL_M_S2, accelerations, near_end
+from keypose.tracker.space.findings import MOST_PUSH, STILL_M_S2, near_end
 from keypose.tracker.space.soles import foot_heights
 from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.stretches import stretches
@@ -160,8 +160,8 @@ def push(
     most = [0.0, STILL_M_S2]
     for which, motion in enumerate((after, before)):
         for pin in pins:
-            a = accelerations(skeleton, motion, skeleton.body.index(pin.part), rate)
-            near = [a[near_end(end - motion.first_frame, len(a))] for end in pin.span]
+            part = skeleton.body.index(pin.part)
+            near = [near_end(skeleton, motion, part, end, rate)[1] for end in pin.span]
             most[which] = max(most[which], *(float(each.max(initial=0.0)) for each in near))
     return most[0] / most[1]
 

@@ -29,9 +29,12 @@ SHAKES_M_S2 = 8.0
 """Root mean square acceleration of a waist that only shaking brings about at slow speeds."""
 
 
-NEAR_END, STILL_M_S2, MOST_PUSH = 3, 5.0, 1.3
-"""Frames beside a pin's end; an acceleration that is as good as none; and how many times that which
-was tracked there, or that, a pin may accelerate a foot."""
+NEAR_END = 3
+"""Frames on either side of a pin's end that count for it."""
+STILL_M_S2 = 5.0
+"""An acceleration that is as good as none."""
+MOST_PUSH = 1.3
+"""How many times what was tracked there, or that, a pin may accelerate a foot."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,35 +234,35 @@ def _shakes(judged: MotionInSpace) -> Iterator[SpaceFinding]:
 
 def _jumps(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Parts that are accelerated where a pin begins or ends, far beyond what was tracked there."""
-    rate, first = judged.frames_per_second, judged.motion.first_frame
-    last = judged.motion.last_frame
-    for stance, pinned in zip(judged.stances, judged.pinned, strict=True):
-        if not pinned:
-            continue
-        part = judged.skeleton.body.index(stance.part)
-        after, before = (
-            accelerations(judged.skeleton, motion, part, rate)
-            for motion in (judged.motion, judged.tracked)
-        )
-        for end in stance.span:
-            near = near_end(end - first, len(after))
-            row = near.start + int(after[near].argmax()) if first < end < last else near.start
-            pushed = float(after[near].max(initial=0.0))
-            usual = max(float(before[near].max(initial=0.0)), STILL_M_S2)
-            if first < end < last and pushed > MOST_PUSH * usual:
-                yield _of_stance("jumps", stance, first + 1 + row - stance.first_frame, pushed)
+    first, last = judged.motion.first_frame, judged.motion.last_frame
+    pins = [pin for pin, is_pin in zip(judged.stances, judged.pinned, strict=True) if is_pin]
+    for pin in pins:
+        part = judged.skeleton.body.index(pin.part)
+        for end in (frame for frame in pin.span if first < frame < last):
+            (frame, after), (_, before) = (
+                near_end(judged.skeleton, motion, part, end, judged.frames_per_second)
+                for motion in (judged.motion, judged.tracked)
+            )
+            pushed = float(after.max(initial=0.0))
+            if pushed > MOST_PUSH * max(float(before.max(initial=0.0)), STILL_M_S2):
+                row = frame + int(after.argmax()) - pin.first_frame
+                yield _of_stance("jumps", pin, row, pushed)
 
 
-def accelerations(skeleton: Skeleton, motion: Trajectory, part: int, rate: float) -> Array:
-    """(N − 2,) m/s² of a part's joint, of the second frame to the last but one."""
-    p = motion.transforms(skeleton)[:, part, :3, 3]
-    return np.asarray(np.linalg.norm(np.diff(p, 2, axis=0), axis=-1) * rate**2)
-
-
-def near_end(row: int, count: int) -> slice:
-    """Of so many accelerations those near the end of a pin, which is at a row of the motion."""
-    at = min(max(row - 1, 0), max(count - 1, 0))
-    return slice(max(at - NEAR_END, 0), at + NEAR_END + 1)
+def near_end(
+    skeleton: Skeleton, motion: Trajectory, part: int, end: int, rate: float
+) -> tuple[int, Array]:
+    """A part's accelerations (n,), m/s², near the frame at which a pin begins or ends; and the
+    frame of the first."""
+    count = len(motion) - 2
+    if count < 1:
+        return end, np.zeros(0)
+    at = min(max(end - motion.first_frame - 1, 0), count - 1)
+    start, stop = max(at - NEAR_END, 0), min(at + NEAR_END + 1, count)
+    rows, frame = slice(start, stop + 2), motion.first_frame + start
+    some = Trajectory(frame, motion.Rs_parent_part[rows], motion.ps_camera_root[rows])
+    p = some.transforms(skeleton)[:, part, :3, 3]
+    return frame + 1, np.asarray(np.linalg.norm(np.diff(p, 2, axis=0), axis=-1) * rate**2)
 
 
 def _of_stance(kind: str, stance: Pin, row: int, amount: float) -> SpaceFinding:

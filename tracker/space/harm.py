@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -70,11 +71,12 @@ class Compared:
     solved: Trajectory
     heights_px: Array
 
-    @property
+    @cached_property
     def most_px(self) -> Array:
         """(N,) by how much a joint may be seen elsewhere."""
         return np.maximum(MOST_SEEN_PX, MOST_SEEN_SHARE * self.heights_px)
 
+    @cached_property
     def moved_px(self) -> Array:
         """(N, P) by how much every joint is seen elsewhere."""
         uv = [
@@ -83,6 +85,7 @@ class Compared:
         ]
         return np.asarray(np.linalg.norm(uv[1] - uv[0], axis=-1))
 
+    @cached_property
     def bent_rad(self) -> Array:
         """(N, P) by how much every part is turned otherwise in its joint."""
         turn = np.swapaxes(self.tracked.Rs_parent_part, -1, -2) @ self.solved.Rs_parent_part
@@ -110,11 +113,11 @@ def _of_pin(compared: Compared, pin: Pin) -> Iterator[Harm]:
     skeleton, first = compared.skeleton, compared.tracked.first_frame
     rows = slice(pin.first_frame - first, pin.last_frame + 1 - first)
     limb = _limb(skeleton, skeleton.body.index(pin.part))
-    shares = compared.moved_px()[rows] / compared.most_px[rows, None]
+    shares = compared.moved_px[rows] / compared.most_px[rows, None]
     yield _worst(compared, pin, "picture", shares[:, limb], limb)
     knees = [part for part in limb if skeleton.body.names[part] in KNEES]
     if knees:
-        bent = compared.bent_rad()[rows] / MOST_BENT_RAD
+        bent = compared.bent_rad[rows] / MOST_BENT_RAD
         yield _worst(compared, pin, "knee", bent[:, knees], knees)
 
 

@@ -77,17 +77,21 @@ KEYED_ERROR = 0.0075
 """Nor is a keyframe doubted where pictures do not contradict the motion beside it: in no good
 segment of 185 between right keyframes, and in 9 of 21 beside a keyframe with a limb turned by 30°.
 """
-USUAL_M, SPREAD = 0.04, 0.6
+USUAL_M: Final = 0.04
+SPREAD: Final = 0.6
 """What the lifting network says is far off is so less on film: above the first a median grows by
-this power of what the network says (`python -m bench angles`)."""
-POSED_S, POSED_M = 0.38, 0.02
-"""A depth that is off is off alike for a while: from a keyframe whose depth a person posed, well
-to the second, on it grows evenly to what the network is off by itself, and is that much after so
-long. Of four films with truth, at 60 frames/s, in the middle of keyframes 0.2, 0.3 and 0.5 s apart
-0.27, 0.42 and 0.67 of it are left."""
-FOOT_OWN, GOOD_FOOT = 0.02, 0.05
-"""How far heels and toes of a foot that is right are from their keypoints, as a rule: three films,
-in the median 0.006 to 0.027. A foot that is off by the second is seen to hang."""
+the second as a power of what the network says (`python -m bench angles`)."""
+POSED_M: Final = 0.02
+"""How well a person poses depth, the median."""
+POSED_S: Final = 0.38
+"""A depth that is off is off alike for a while. From a keyframe whose depth a person posed its
+error grows evenly, and after so long is what the network is off by itself. Of four films with truth
+0.27, 0.42 and 0.67 of it are left in the middle of keyframes 0.2, 0.3 and 0.5 s apart."""
+FOOT_OWN: Final = 0.02
+"""Share of the height by which heels and toes of a foot that is right are from their keypoints, as
+a rule: three films, in the median 0.006 to 0.027."""
+GOOD_FOOT: Final = 0.05
+"""A foot that is off by so much is seen to hang."""
 UNKNOWN = 0.05
 """How far a joint is taken to be from its keypoint where there is none."""
 
