@@ -82,7 +82,8 @@ def renewed(film: Film) -> Tracker:
     poses = {
         n: Pose(p.Rs_parent_part.copy(), p.p_camera_root.copy()) for n, p in film.poses.items()
     }
-    return tracker.renewed(film.skeleton, poses, keypoints=tracker.keypoint_source(TrackSettings()))
+    source = tracker.keypoint_source(TrackSettings(cues=CUES["keypoints"]))
+    return tracker.renewed(film.skeleton, poses, keypoints=source)
 
 
 def track(film: Film, cues: str) -> int:

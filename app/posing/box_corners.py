@@ -44,9 +44,9 @@ from keypose.tracker.solver.least_squares import (
 )
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPosition
-from keypose.tracker.solver.posed import BodyPoints, image_jacobian
+from keypose.tracker.solver.posed import BodyPoints, image_jacobian, image_points
 from keypose.tracker.solver.posed import Posed as SolverPosed
-from keypose.tracker.solver.terms import Equations, Rows, Term, total_cost, total_equations
+from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 EDGE_SIGMA, VOLUME_SIGMA = 0.5, 1e-3
 """Of the logarithms of an edge's ratio to the one before, and of the volume's."""
@@ -125,23 +125,25 @@ class _SizedPoint:
         return total_cost([self._seen, *self.box.terms], self._posed) + 0.5 * float(prior)
 
     def step(self, damping: float) -> Array | None:
-        seen = self._seen.rows(self._posed)
-        both = Equations.of(Rows(seen.r, np.hstack([seen.J, self._edge_jacobian()]), seen.cost))
-        pose, A, b = total_equations(self.box.terms, self._posed), both.A.copy(), both.b.copy()
+        J, r = self._rows()
+        pose, A, b = total_equations(self.box.terms, self._posed), J.T @ J, J.T @ r
         A[:-3, :-3] += pose.A
         b[:-3] += pose.b
         A[-3:, -3:] += _PRECISION
         b[-3:] += _PRECISION @ self.state.edges
         return damped_step(A, b, damping)
 
-    def _edge_jacobian(self) -> Array:
-        """(2 K, 3) how the corners' pixels move, in sigmas, as edges grow."""
-        R = self._posed.Ts_camera_part[self.box.part, :3, :3]
+    def _rows(self) -> tuple[Array, Array]:
+        """(2 K, D + 3) how the corners' pixels move, in sigmas, with the pose and as edges grow,
+        and (2 K,) how far they are away."""
+        seen, R = self._seen, self._posed.Ts_camera_part[self.box.part, :3, :3]
+        p, by_pose = seen.points.jacobian(self._posed)
         corners = self.box.corners(self.state.ratios)
-        J = corners[:, :, None] * R.T  # each edge grows along its own axis
-        p = self._seen.points.of(self._posed)
-        uv = image_jacobian(self._seen.camera, p, J) * self._seen.scale[:, None, None]
-        return np.swapaxes(uv, 1, 2).reshape(-1, 3)
+        by_edges = corners[:, :, None] * R.T  # each edge grows along its own axis
+        J = image_jacobian(seen.camera, p, np.concatenate([by_pose, by_edges], axis=1))
+        scaled = np.swapaxes(J, 1, 2) * seen.scale[:, None, None]
+        away = (image_points(seen.camera, p) - seen.uv) * seen.scale[:, None]
+        return scaled.reshape(away.size, -1), away.ravel()
 
 
 CORNER_SIGMA_PX = 1.0

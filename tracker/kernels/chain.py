@@ -126,39 +126,6 @@ def inverse_diagonal(L, out):
 
 
 @compiled
-def solve_banded(banded, b):
-    """b ← A⁻¹ b for a symmetric banded A by Cholesky; False where A is not positive definite.
-
-    banded (w, n) is overwritten: row w − 1 holds the diagonal, row w − 1 − k the k-th diagonal
-    above it, as LAPACK's upper form.
-    """
-    width, n = banded.shape
-    U = np.zeros((n, width))  # U[i, k] is A[i, i + k], so that every inner loop is contiguous
-    for i in range(n):
-        for k in range(min(width, n - i)):
-            U[i, k] = banded[width - 1 - k, i + k]
-    for i in range(n):
-        if not U[i, 0] > 0.0:
-            return False
-        root = 1.0 / np.sqrt(U[i, 0])
-        for k in range(width):
-            U[i, k] *= root
-        b[i] *= root
-        for k in range(1, min(width, n - i)):
-            share = U[i, k]
-            b[i + k] -= share * b[i]
-            if share != 0.0:
-                for m in range(width - k):
-                    U[i + k, m] -= share * U[i, k + m]
-    for i in range(n - 1, -1, -1):
-        s = b[i]
-        for k in range(1, min(width, n - i)):
-            s -= U[i, k] * b[i + k]
-        b[i] = s / U[i, 0]
-    return True
-
-
-@compiled
 def move(body, R, t, motion):
     """R, t ← the pose after `motion` (D,), on the right, in the parts' frames.  DRIFT (2)"""
     parts = R.shape[0]

@@ -33,12 +33,56 @@ class BodyArrays(NamedTuple):
     least: NDArray[np.float32]
 
 
-class Freedoms(NamedTuple):
-    """How the poses of a body move: dof_part, dof_turns, dof_axis (D,) int64."""
+class Articulation(NamedTuple):
+    """A body's parts and how its poses move: parents (P,) int64 · joints (P, 3) · dof_part,
+    dof_turns, dof_axis (D,) int64."""
 
+    parents: NDArray[np.int64]
+    joints: NDArray[np.float64]
     dof_part: NDArray[np.int64]
     dof_turns: NDArray[np.int64]
     dof_axis: NDArray[np.int64]
+
+
+class Places(NamedTuple):
+    """J places on a body, each the mean of some of K points.
+
+    starts (J + 1,) int64: place j's points are starts[j] to starts[j + 1] · parts (K,) int64,
+    points (K, 3) in their frames · dof_starts (J + 1,), dofs (L,) int64: which degrees of freedom
+    move place j, in order · moves (K, D) bool: which move a point.
+    """
+
+    starts: NDArray[np.int64]
+    parts: NDArray[np.int64]
+    points: NDArray[np.float64]
+    dof_starts: NDArray[np.int64]
+    dofs: NDArray[np.int64]
+    moves: NDArray[np.bool_]
+
+
+class JointRanges(NamedTuple):
+    """The joint limits of a body.
+
+    low, high (P, 3) of x, y, z, radians · bounded (P,) bool: whether one of them is finite · twist
+    (P,) int64: where a part's twist is among K, −1 where it has no limits · twist_low, twist_high
+    (K,) · R_rest (K, 3, 3) · allowed (P, 4): what may lie outside, signed · sigma, onset: radians ·
+    least_cos, least_determined: so much at least slopes are divided by · dof_starts (P + 1,) int64:
+    the degrees of freedom of each part.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    bounded: NDArray[np.bool_]
+    twist: NDArray[np.int64]
+    twist_low: NDArray[np.float64]
+    twist_high: NDArray[np.float64]
+    R_rest: NDArray[np.float64]
+    allowed: NDArray[np.float64]
+    sigma: float
+    onset: float
+    least_cos: float
+    least_determined: float
+    dof_starts: NDArray[np.int64]
 
 
 class Lens(NamedTuple):

@@ -23,15 +23,9 @@ from keypose.tracker.kernels.chain import (
 from keypose.tracker.kernels.layout import Lens
 from keypose.tracker.kernels.noise import BINS, capped_square, robust_sigma
 from keypose.tracker.kernels.rigid import cleaned, product, put_pose, turned_back
+from keypose.tracker.kernels.robust import HUBER
 from keypose.tracker.kernels.seeing import pick, room, see
-from keypose.tracker.kernels.sums import (
-    BLOCK,
-    HUBER,
-    HUBER_WIDTH,
-    count_inside,
-    sum_points,
-    sum_residuals,
-)
+from keypose.tracker.kernels.sums import BLOCK, HUBER_WIDTH, count_inside, sum_points, sum_residuals
 
 FIRST_WIDTH = 20.0
 """Huber width of the first solve, grey levels: before the residuals' own noise is known."""

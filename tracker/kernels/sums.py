@@ -12,12 +12,12 @@ import numpy as np
 
 from keypose.tracker.kernels import compiled
 from keypose.tracker.kernels.noise import FAR, LOST
+from keypose.tracker.kernels.robust import HUBER, TUKEY
 
 f4 = np.float32
 X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 BLOCK = 256
-LEAST_SQUARES, HUBER, TUKEY = 0, 1, 2
 HUBER_WIDTH, TUKEY_WIDTH = 1.345, 4.685
 GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
 

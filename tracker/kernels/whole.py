@@ -11,14 +11,14 @@ import numpy as np
 from keypose.tracker.kernels import compiled
 from keypose.tracker.kernels.chain import (
     camera_twists,
-    move,
     normal_equations,
     place_parts,
     sum_subtrees,
 )
 from keypose.tracker.kernels.noise import BINS, robust_sigma
+from keypose.tracker.kernels.robust import TUKEY
 from keypose.tracker.kernels.seeing import room, see
-from keypose.tracker.kernels.sums import BLOCK, TUKEY, TUKEY_WIDTH, sum_points
+from keypose.tracker.kernels.sums import BLOCK, TUKEY_WIDTH, sum_points
 
 
 @compiled
@@ -64,10 +64,3 @@ def compare_textures(
         camera_twists(body, HR, Ho, S)
         sum_subtrees(body, both)
         normal_equations(body, both, S, A[j], b[j])
-
-
-@compiled
-def move_poses(body, R, t, steps):
-    """Move every pose by its row of steps (n, D)."""
-    for j in range(steps.shape[0]):
-        move(body, R[j], t[j], steps[j])

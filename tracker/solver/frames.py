@@ -38,8 +38,12 @@ class LinkIn(Link):
     def cost(self, motion: Trajectory) -> float:
         return self.link.cost(motion.carried(self.Ts))
 
-    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
-        return self.link.equations(motion.carried(self.Ts), unknown)
+    @property
+    def reach(self) -> int:
+        return self.link.reach
+
+    def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
+        self.link.add_to(motion.carried(self.Ts), unknown, rows, b)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,10 +16,10 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.kernels.layout import Freedoms
-from keypose.tracker.kernels.whole import move_poses
-from keypose.tracker.solver.banded import add_coupling_blocks, added, banded_step, bordered_step
+from keypose.tracker.kernels.steps import add_blocks, move_poses
+from keypose.tracker.solver.banded import banded_step, bordered_step
 from keypose.tracker.solver.least_squares import Criteria, Problem, least_squares
+from keypose.tracker.solver.placed import articulation
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.terms import Link, SharedTerm, Term, total_cost, total_equations
 
@@ -73,10 +73,11 @@ class MotionProblem(Problem[MotionState, "MotionPoint"]):
 class MotionEquations:
     """Normal equations of u unknown poses and S shared unknowns.
 
-    banded (w, uD) upper, b (uD,): of the poses.  border (uD, S), corner (S, S), gradient (S,).
+    rows (uD, w) from the diagonal on, b (uD,): of the poses.  border (uD, S), corner (S, S),
+    gradient (S,).
     """
 
-    banded: Array
+    rows: Array
     b: Array
     border: Array
     corner: Array
@@ -85,9 +86,9 @@ class MotionEquations:
     def step(self, damping: float) -> Array | None:
         """The damped step of all, the poses first; None where they have no solution."""
         if not len(self.gradient):
-            return banded_step(self.banded, self.b, damping)
+            return banded_step(self.rows, self.b, damping)
         border, corner = self.border, self.corner
-        return bordered_step(self.banded, border, corner, self.b, self.gradient, damping)
+        return bordered_step(self.rows, border, corner, self.b, self.gradient, damping)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,20 +121,20 @@ class MotionPoint:
         border = np.zeros((count, dofs, len(shared)))
         corner, gradient = np.zeros((len(shared), len(shared))), np.zeros(len(shared))
         for term in problem.shared_terms:
-            rows = term.rows(self._posed, shared)
-            J, K, r = np.swapaxes(rows.J, -1, -2), np.swapaxes(rows.K, -1, -2), rows.r[..., None]
-            A[rows.frames] += J @ rows.J
-            b[rows.frames] += (J @ r)[..., 0]
-            border[rows.frames, :, rows.unknown] += J @ rows.K
-            corner[np.ix_(rows.unknown, rows.unknown)] += (K @ rows.K).sum(axis=0)
-            gradient[rows.unknown] += (K @ r)[..., 0].sum(axis=0)
-        banded, pull = np.zeros((dofs, count * dofs)), np.zeros_like(b)
+            own = term.rows(self._posed, shared)
+            J, K, r = np.swapaxes(own.J, -1, -2), np.swapaxes(own.K, -1, -2), own.r[..., None]
+            A[own.frames] += J @ own.J
+            b[own.frames] += (J @ r)[..., 0]
+            border[own.frames, :, own.unknown] += J @ own.K
+            corner[np.ix_(own.unknown, own.unknown)] += (K @ own.K).sum(axis=0)
+            gradient[own.unknown] += (K @ r)[..., 0].sum(axis=0)
+        width = 1 + max((link.reach for link in problem.links), default=0)
+        rows, pull = np.zeros((count * dofs, width * dofs)), b.ravel()
+        add_blocks(A, 0, rows)
         for link in problem.links:
-            own, pulled = link.equations(self.state.motion, problem.unknown)
-            banded, pull = added(banded, own), pull + pulled
+            link.add_to(self.state.motion, problem.unknown, rows, pull)
         flat = border.reshape(count * dofs, len(shared))
-        whole = add_coupling_blocks(banded, 0, A)
-        return MotionEquations(whole, (b + pull).ravel(), flat, corner, gradient)
+        return MotionEquations(rows, pull, flat, corner, gradient)
 
     def step(self, damping: float) -> Array | None:
         return self.equations.step(damping)
@@ -144,6 +145,5 @@ def moved_poses(
 ) -> Trajectory:
     """Some poses moved by their rows of steps (u, D), as `keypose.tracker.body.pose.moved`."""
     R, t = motion.writable()
-    freedoms = Freedoms(skeleton.dof_part, skeleton.dof_turns, skeleton.dof_axis)
-    move_poses(freedoms, R[unknown], t[unknown], np.ascontiguousarray(steps))
+    move_poses(articulation(skeleton), R[unknown], t[unknown], np.ascontiguousarray(steps))
     return Trajectory(motion.first_frame, R, t)

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.posed import BodyPoints, Posed, image_jacobian, image_points
+from keypose.tracker.kernels.layout import JointRanges, Lens
+from keypose.tracker.kernels.limits import add_limits, limit_cost
+from keypose.tracker.kernels.places import add_depth, add_picture, depth_cost, picture_cost
+from keypose.tracker.solver.placed import lens_of, numbered, ranges_of
+from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import SQUARED, Kernel
 from keypose.tracker.solver.terms import (
     Diagonal,
     DiagonalTerm,
     Rows,
     RowTerm,
+    SummedTerm,
     half_squares,
     robust_cost,
 )
@@ -40,7 +47,7 @@ class PointsInSpace(RowTerm):
 
 
 @dataclass(frozen=True, eq=False)
-class PointsInPicture(RowTerm):
+class PointsInPicture(SummedTerm):
     """Points of the body seen at pixels uv (..., K, 2) by a camera without distortion.
 
     scale (..., K): 1/σ in 1/px, 0 where a pixel is not known. nearest_m: a pose with a point nearer
@@ -55,27 +62,23 @@ class PointsInPicture(RowTerm):
     kernel: Kernel = SQUARED
 
     def cost(self, posed: Posed) -> float:
-        p = self.points.of(posed)
-        away = np.linalg.norm(image_points(self.camera, p) - self.uv, axis=-1) * self.scale
-        return self._cost(p, away)
+        at = posed.placed
+        parts = at.Rs_camera_part, at.ps_camera_part
+        return float(picture_cost(self.points.places, *parts, *self._compared(posed)))
 
-    def rows(self, posed: Posed) -> Rows:
-        p, J = self.points.jacobian(posed)
-        away = (image_points(self.camera, p) - self.uv) * self.scale[..., None]
-        length = np.linalg.norm(away, axis=-1)
-        weight = np.sqrt(self.kernel.weight(length))
-        seen = image_jacobian(self.camera, p, J) * (weight * self.scale)[..., None, None]
-        return Rows(_flat(away * weight[..., None]), _rows_of(seen), self._cost(p, length))
+    def add_to(self, posed: Posed, A: Array, b: Array) -> float:
+        at = posed.placed
+        parts = at.Rs_camera_part, at.ps_camera_part, at.twists
+        return float(add_picture(self.points.places, *parts, *self._compared(posed), A, b))
 
-    def _cost(self, p: Array, away: Array) -> float:
-        """The cost of points p whose pixels are so many σ away."""
-        if not (p[..., 2] > self.nearest_m).all():
-            return np.inf
-        return robust_cost(self.kernel, away)
+    def _compared(self, posed: Posed) -> tuple[Lens, Array, Array, float, int, float]:
+        """What the loops compare with."""
+        uv, scale = posed.each(self.uv, 2), posed.each(self.scale, 1)
+        return lens_of(self.camera), uv, scale, self.nearest_m, *numbered(self.kernel)
 
 
 @dataclass(frozen=True, eq=False)
-class DepthFromRoot(RowTerm):
+class DepthFromRoot(SummedTerm):
     """Points of the body so much farther away than its root: depth (..., K), metres along z.
 
     scale (..., K): 1/σ in 1/m, 0 where a depth is not known.
@@ -87,23 +90,20 @@ class DepthFromRoot(RowTerm):
     kernel: Kernel = SQUARED
 
     def cost(self, posed: Posed) -> float:
-        return robust_cost(self.kernel, np.abs(self._away(posed, self.points.of(posed))))
+        at = posed.placed
+        parts = at.Rs_camera_part, at.ps_camera_part
+        return float(depth_cost(self.points.places, *parts, *self._compared(posed)))
 
-    def rows(self, posed: Posed) -> Rows:
-        skeleton = posed.skeleton
-        p, J = self.points.jacobian(posed)
-        away = self._away(posed, p)
-        shifts = np.flatnonzero(skeleton.dof_turns == 0)
-        along = J[..., 2].copy()
-        R_root = posed.Rs_parent_part[..., 0, :, :]
-        along[..., shifts] -= R_root[..., None, 2, skeleton.dof_axis[shifts]]
-        length = np.abs(away)
-        weight, cost = np.sqrt(self.kernel.weight(length)), robust_cost(self.kernel, length)
-        return Rows(away * weight, along * (weight * self.scale)[..., None], cost)
+    def add_to(self, posed: Posed, A: Array, b: Array) -> float:
+        at = posed.placed
+        parts = at.Rs_camera_part, at.ps_camera_part, at.twists
+        compared = self._compared(posed)
+        return float(add_depth(at.chain, self.points.places, *parts, *compared, A, b))
 
-    def _away(self, posed: Posed, p: Array) -> Array:
-        """(..., K) in σ."""
-        return np.asarray((p[..., 2] - posed.p_camera_root[..., None, 2] - self.depth) * self.scale)
+    def _compared(self, posed: Posed) -> tuple[Array, Array, int, float]:
+        """What the loops compare with."""
+        depth, scale = posed.each(self.depth, 1), posed.each(self.scale, 1)
+        return depth, scale, *numbered(self.kernel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,18 +142,14 @@ def _flat(r: Array) -> Array:
     return r.reshape(*r.shape[:-2], -1)
 
 
-def _flatten_rows(J: Array) -> Array:
-    """(..., K · C, D) of (..., K, C, D)."""
-    return J.reshape(*J.shape[:-3], -1, J.shape[-1])
-
-
 def _rows_of(J: Array) -> Array:
     """(..., K · C, D) of a Jacobian of points (..., K, D, C)."""
-    return _flatten_rows(np.swapaxes(J, -1, -2))
+    rows = np.swapaxes(J, -1, -2)
+    return rows.reshape(*rows.shape[:-3], -1, rows.shape[-1])
 
 
 @dataclass(frozen=True, eq=False)
-class JointLimits(RowTerm):
+class JointLimits(SummedTerm):
     """Joint angles and twists within their limits.
 
     allowed (P, 4): radians, signed, by which a joint may lie outside, as in a posed keyframe.
@@ -166,36 +162,24 @@ class JointLimits(RowTerm):
     allowed: Array | None = None
     onset_rad: float = 0.0
 
-    def excess(self, posed: Posed) -> tuple[Array, Array]:
-        """Radians (..., P, 4) beyond what is allowed, and their slopes (..., P, 4, 3)."""
-        outside, slopes = self.limits.excess(posed.Rs_parent_part)
-        if self.allowed is not None:
-            low, high = np.minimum(self.allowed, 0.0), np.maximum(self.allowed, 0.0)
-            outside = outside - np.clip(outside, low, high)
-        if self.onset_rad == 0.0:
-            return outside, slopes
-        share = np.minimum(np.abs(outside) / self.onset_rad, 1.0)
-        lag = self.onset_rad * (share - share**2 / 2)
-        return np.copysign(np.abs(outside) - lag, outside), slopes * share[..., None]
-
     def cost(self, posed: Posed) -> float:
-        return half_squares(self.excess(posed)[0] / self.sigma_rad)
+        return float(limit_cost(self._ranges(posed.skeleton), posed.placed.Rs_parent_part))
 
-    def rows(self, posed: Posed) -> Rows:
-        """Only of angles that are exceeded at some pose, of one pose mostly none."""
-        skeleton = posed.skeleton
-        outside, slopes = self.excess(posed)
-        over = outside != 0
-        part, angle = np.nonzero(over.reshape(-1, *over.shape[-2:]).any(axis=0))
-        turns = np.flatnonzero(skeleton.dof_turns == 1)
-        row, turn = np.nonzero(part[:, None] == skeleton.dof_part[turns])
-        column = turns[turn]
-        J = np.zeros((*outside.shape[:-2], len(part), skeleton.dof_count))
-        J[..., row, column] = (slopes * over[..., None])[
-            ..., part[row], angle[row], skeleton.dof_axis[column]
-        ]
-        r = outside[..., part, angle] / self.sigma_rad
-        return Rows(r, J / self.sigma_rad, half_squares(r))
+    def add_to(self, posed: Posed, A: Array, b: Array) -> float:
+        at = posed.placed
+        return float(add_limits(at.chain, self._ranges(posed.skeleton), at.Rs_parent_part, A, b))
+
+    def _ranges(self, skeleton: Skeleton) -> JointRanges:
+        """The limits for the loops, made once for each body."""
+        if skeleton not in self._known:
+            self._known[skeleton] = ranges_of(
+                skeleton, self.limits, self.sigma_rad, self.allowed, self.onset_rad
+            )
+        return self._known[skeleton]
+
+    @cached_property
+    def _known(self) -> dict[Skeleton, JointRanges]:
+        return {}
 
 
 @dataclass(frozen=True, eq=False)

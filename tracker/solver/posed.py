@@ -9,16 +9,20 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Point
-from keypose.tracker.body.pose import Pose, part_transforms, twists
+from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
+from keypose.tracker.geometry.rotations import Array, transform
+
+if TYPE_CHECKING:
+    from keypose.tracker.kernels.layout import Places
+    from keypose.tracker.solver.placed import Placed
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,15 +41,29 @@ class Posed:
         """A body in one pose."""
         return cls(skeleton, pose.Rs_parent_part, pose.p_camera_root)
 
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """The axes of its poses; none where it is one."""
+        return self.p_camera_root.shape[:-1]
+
+    @cached_property
+    def placed(self) -> Placed:
+        """All N poses, one after another, for the loops."""
+        from keypose.tracker.solver.placed import Placed  # loops: what only writes files needs none
+
+        R, p = self.each(self.Rs_parent_part, 3), self.each(self.p_camera_root, 1)
+        return Placed.of(self.skeleton, R, p)
+
     @cached_property
     def Ts_camera_part(self) -> Array:
         """(..., P, 4, 4)"""
-        return part_transforms(self.skeleton, self.Rs_parent_part, self.p_camera_root)
+        T = transform(self.placed.Rs_camera_part, self.placed.ps_camera_part)
+        return T.reshape(*self.batch, *T.shape[1:])
 
     @cached_property
     def twists(self) -> Array:
         """(..., D, 6) of the degrees of freedom, as `keypose.tracker.body.pose.twists`."""
-        return twists(self.skeleton, self.Ts_camera_part)
+        return self.placed.twists.reshape(*self.batch, -1, 6)
 
     def points(self, parts: NDArray[np.int64], points: Array) -> Array:
         """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
@@ -71,24 +89,20 @@ class Posed:
         backward: the root's shift in its frame here, so that the motion's negative leads back;
             otherwise in its frame there, so that the motion leads from there to here.
         """
-        turn = log_rotation(transpose(Rs_parent_part) @ self.Rs_parent_part)
-        shift = self.p_camera_root - p_camera_root
-        Rs = self.Rs_parent_part if backward else Rs_parent_part
-        return by_dof(self.skeleton, turn, Rs[..., 0, :, :], shift)
+        here = self.each(Rs_parent_part, 3), self.each(p_camera_root, 1)
+        motion = self.placed.motion_from(*here, backward=backward)
+        return motion.reshape(*self.batch, -1)
+
+    def each(self, values: Array, own: int) -> Array:
+        """(N, …) a copy of values, so many axes of their own, for all poses alike or for each."""
+        shape = (*self.batch, *values.shape[values.ndim - own :])
+        return np.array(np.broadcast_to(values, shape)).reshape(-1, *shape[len(self.batch) :])
 
 
 def carried(Ts_camera_part: Array, parts: NDArray[np.int64], points: Array) -> Array:
     """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
     T = Ts_camera_part[..., parts, :, :]
     return np.asarray((T[..., :3, :3] @ points[..., None])[..., 0] + T[..., :3, 3])
-
-
-def by_dof(skeleton: Skeleton, turn: Array, R_root: Array, shift: Array) -> Array:
-    """(..., D) of turns (..., P, 3) in the parts' frames and the root's shift (..., 3) in the
-    camera's, with the root turned by R_root (..., 3, 3)."""
-    inside = np.einsum("...ba,...b->...a", R_root, shift)  # the shift by the root's own axes
-    part, axis = skeleton.dof_part, skeleton.dof_axis
-    return np.where(skeleton.dof_turns == 1, turn[..., part, axis], inside[..., axis])
 
 
 def image_points(camera: Camera, p: Array) -> Array:
@@ -141,18 +155,22 @@ class BodyPoints:
         where = carried(Ts_camera_part, parts, p)
         return where if mean is None else np.asarray(mean @ where)
 
+    @cached_property
+    def places(self) -> Places:
+        """The same for the loops."""
+        from keypose.tracker.solver.placed import places_of
+
+        parts, points, _ = self._points
+        return places_of(self.skeleton, [len(place) for place in self.points], parts, points)
+
     def of(self, posed: Posed) -> Array:
         """Positions (..., J, 3) on a posed body, camera frame."""
-        return self.at(posed.Ts_camera_part)
+        return posed.placed.positions(self.places).reshape(*posed.batch, -1, 3)
 
     def jacobian(self, posed: Posed) -> tuple[Array, Array]:
         """Positions (..., J, 3) and how they move (..., J, D, 3) with each degree of freedom."""
-        parts, p_part, mean = self._points
-        p = posed.points(parts, p_part)
-        J = posed.point_jacobian(parts, p)
-        if mean is None:
-            return p, J
-        return mean @ p, np.einsum("jk,...kdc->...jdc", mean, J, optimize=True)
+        p, J = posed.placed.jacobian(self.places)
+        return p.reshape(*posed.batch, -1, 3), J.reshape(*posed.batch, *J.shape[1:])
 
     def only(self, chosen: NDArray[np.bool_]) -> BodyPoints:
         """Some of the places (J,)."""

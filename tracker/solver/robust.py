@@ -15,7 +15,10 @@ from keypose.tracker.geometry.rotations import Array
 
 
 class Kernel(Protocol):
-    """How much distances (...) count, each 0 or more."""
+    """How much distances (...) count, each 0 or more. width: beyond which they count less."""
+
+    @property
+    def width(self) -> float: ...
 
     def loss(self, away: Array) -> Array: ...
 
@@ -25,6 +28,8 @@ class Kernel(Protocol):
 @dataclass(frozen=True)
 class Squared:
     """Plain least squares."""
+
+    width: float = np.inf
 
     def loss(self, away: Array) -> Array:
         return np.asarray(away**2)

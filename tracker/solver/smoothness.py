@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -11,10 +12,9 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.banded import banded_diagonals
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.kernels.steps import add_link, link_cost
+from keypose.tracker.solver.placed import motions_of, numbered
 from keypose.tracker.solver.robust import SQUARED, Kernel
-from keypose.tracker.solver.terms import robust_cost
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,25 +36,23 @@ class _Differences(ABC):
     def of(self, motion: Trajectory) -> Array:
         """(m, D) the differences of a motion."""
 
-    def cost(self, motion: Trajectory) -> float:
-        away = np.abs(self.of(motion) - self.wanted)
-        return robust_cost(self.kernel, np.sqrt(self.precision) * away)
+    @property
+    def reach(self) -> int:
+        return len(self.stencil) - 1
 
-    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
-        away, stencil = self.of(motion) - self.wanted, self.stencil
-        weight = self.kernel.weight(np.sqrt(self.precision) * np.abs(away))
-        stiff = np.broadcast_to(self.precision * weight, away.shape)
-        (m, dofs), count, pull = away.shape, len(motion), stiff * away
-        gradient = np.zeros((count, dofs))
-        for i, share in reversed(tuple(enumerate(stencil))):
-            gradient[i : i + m] += share * pull
-        blocks = []
-        for off in range(len(stencil)):
-            diagonal = np.zeros((max(count - off, 0), dofs))
-            for i in reversed(range(len(stencil) - off)):
-                diagonal[i : i + m] += stencil[i] * stencil[i + off] * stiff
-            blocks.append(diagonal)
-        return banded_diagonals(blocks, unknown), gradient[unknown]
+    def cost(self, motion: Trajectory) -> float:
+        return float(link_cost(self.of(motion), *self._wanted))
+
+    def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
+        first, _, _ = unknown.indices(len(motion))
+        stencil = np.array(self.stencil, np.float64)
+        add_link(self.of(motion), *self._wanted, stencil, first, rows, b)
+
+    @cached_property
+    def _wanted(self) -> tuple[Array, Array, int, float]:
+        """For the loops."""
+        precision = np.array(np.broadcast_to(self.precision, self.wanted.shape))
+        return np.array(self.wanted), precision, *numbered(self.kernel)
 
 
 class Increments(_Differences):
@@ -82,8 +80,8 @@ class Smoothness(_Differences):
 
 def increments(skeleton: Skeleton, motion: Trajectory) -> Array:
     """(N − 1, D) the motion from every pose to the next, in the parts' own frames."""
-    R, t = motion.Rs_parent_part, motion.ps_camera_root
-    return Posed(skeleton, R[1:], t[1:]).motion_from(R[:-1], t[:-1], backward=False)
+    R, t = motion.writable()
+    return motions_of(skeleton, R[:-1], t[:-1], R[1:], t[1:], backward=False)
 
 
 def second_differences(skeleton: Skeleton, motion: Trajectory) -> Array:

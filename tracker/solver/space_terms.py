@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.banded import add_coupling_blocks
+from keypose.tracker.kernels.steps import add_blocks
 from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import Kernel
 from keypose.tracker.solver.terms import SharedRows, robust_cost
@@ -151,16 +151,19 @@ class Differences:
     def of(self, motion: Trajectory) -> Array:
         """(N − d, K, 3) m/s^d"""
         places = self.points.at(motion.transforms(self.skeleton))
-        return np.asarray(np.diff(places, self._order, axis=0) * self._per_s)
+        return np.asarray(np.diff(places, self.reach, axis=0) * self._per_s)
 
     def cost(self, motion: Trajectory) -> float:
         away = self.of(motion) - self.wanted
         return 0.5 * float(((away / self.sigma[..., None]) ** 2).sum())
 
-    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
-        """Upper banded ((d + 1) D, uD) and gradient (u, D) of the u unknown poses."""
+    @property
+    def reach(self) -> int:
+        return len(self.stencil) - 1
+
+    def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
         J, widest = self._rows(motion), self._widest
-        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - self._order, 0)
+        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - self.reach, 0)
         by_point = np.broadcast_to((widest / self.sigma) ** 2, (m, len(widest)))
         weights = np.repeat(by_point, 3, axis=1)
         away = self.of(motion) - self.wanted
@@ -169,19 +172,14 @@ class Differences:
         gradient = np.zeros((count, dofs))
         for i, share in enumerate(self.stencil):
             gradient[i : i + m] += share * np.einsum("nmd,nm->nd", J[i : i + m], r)
-        banded = np.zeros((len(self.stencil) * dofs, (stop - start) * dofs))
+        b += gradient[unknown].ravel()
         for off in range(min(len(self.stencil), stop - start)):
             blocks = _products(J, off, weights, self.stencil)
-            banded = add_coupling_blocks(banded, off, blocks[start : stop - off])
-        return banded, gradient[unknown]
-
-    @property
-    def _order(self) -> int:
-        return len(self.stencil) - 1
+            add_blocks(np.ascontiguousarray(blocks[start : stop - off]), off, rows)
 
     @property
     def _per_s(self) -> float:
-        return self.frames_per_second**self._order
+        return self.frames_per_second**self.reach
 
     @property
     def _widest(self) -> Array:

@@ -2,7 +2,8 @@
 
 To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
 give `rows` and let `RowTerm` do the rest; where each residual is about one degree of freedom, give
-`diagonal` and let `DiagonalTerm` do it. `BodyPoints` (`posed.py`) says where points of the body are
+`diagonal` and let `DiagonalTerm` do it; where time counts, write a loop and let `SummedTerm` call
+it. `BodyPoints` (`posed.py`) says where points of the body are
 and how they move. Put it into the list of the solve it belongs to (`MotionProblem`, `OnePose`), and
 among the cases of the one test that compares terms with finite differences. Terms of points and
 turns are in `pose_terms.py`, links between frames in `smoothness.py`, terms that many frames share
@@ -52,6 +53,11 @@ class Equations:
         A = transpose(rows.J) @ rows.J
         return cls(A, np.einsum("...md,...m->...d", rows.J, rows.r), rows.cost)
 
+    def of_batch(self, batch: tuple[int, ...]) -> Equations:
+        """The equations of poses one after another as those of poses with these axes."""
+        A, b = self.A.reshape(*batch, *self.A.shape[-2:]), self.b.reshape(*batch, -1)
+        return Equations(A, b, self.cost)
+
     def __add__(self, other: Equations) -> Equations:
         return Equations(self.A + other.A, self.b + other.b, self.cost + other.cost)
 
@@ -100,8 +106,13 @@ class Link(Protocol):
     def cost(self, motion: Trajectory) -> float:
         """Half the sum of squares, robust ones by their kernel."""
 
-    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
-        """Upper banded (w, uD) and gradient (u, D) of the u unknown poses."""
+    @property
+    def reach(self) -> int:
+        """With so many frames after it a frame is linked."""
+
+    def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
+        """rows (u D, w) of a symmetric matrix from its diagonal on, b (u D,) of the u unknown poses
+        += its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +158,23 @@ class RowTerm(ABC):
         return Equations.of(self.rows(posed))
 
 
+class SummedTerm(ABC):
+    """A term whose normal equations a loop adds to what is there."""
+
+    @abstractmethod
+    def cost(self, posed: Posed) -> float: ...
+
+    @abstractmethod
+    def add_to(self, posed: Posed, A: Array, b: Array) -> float:
+        """A (N, D, D), b (N, D) of all poses += its own; the cost there comes back."""
+
+    def equations(self, posed: Posed) -> Equations:
+        count, dofs = posed.placed.twists.shape[:2]
+        A, b = np.zeros((count, dofs, dofs)), np.zeros((count, dofs))
+        cost = self.add_to(posed, A, b)
+        return Equations(A, b, cost).of_batch(posed.batch)
+
+
 class DiagonalTerm(ABC):
     """A term that compares every degree of freedom by itself."""
 
@@ -168,16 +196,18 @@ def total_cost(terms: Sequence[Term], posed: Posed) -> float:
 
 
 def total_equations(terms: Sequence[Term], posed: Posed) -> Equations:
-    """Their equations; rows of different terms are multiplied out together and diagonals are put
-    on top of what is there, which is quicker."""
+    """Their equations. Rows of different terms are multiplied out together, and what has loops or a
+    diagonal is added on top of what is there, which is quicker."""
     rows = [term.rows(posed) for term in terms if isinstance(term, RowTerm)]
-    if rows:
-        whole = Equations.of(Rows.stacked(rows))
-    else:
-        whole = Equations.none(*posed.p_camera_root.shape[:-1], posed.skeleton.dof_count)
+    count, dofs = posed.placed.twists.shape[:2]
+    whole = Equations.of(Rows.stacked(rows)) if rows else Equations.none(*posed.batch, dofs)
     for term in terms:
-        if not isinstance(term, RowTerm | DiagonalTerm):
+        if not isinstance(term, RowTerm | SummedTerm | DiagonalTerm):
             whole = whole + term.equations(posed)
+    A = np.ascontiguousarray(whole.A).reshape(count, dofs, dofs)
+    b = np.ascontiguousarray(whole.b).reshape(count, dofs)
+    summed = [term.add_to(posed, A, b) for term in terms if isinstance(term, SummedTerm)]
+    whole = Equations(A, b, whole.cost + sum(summed)).of_batch(posed.batch)
     diagonals = [term.diagonal(posed) for term in terms if isinstance(term, DiagonalTerm)]
     return _with_diagonals(whole, diagonals) if diagonals else whole
 

@@ -26,7 +26,7 @@ from keypose.tracker.kernels.pairs import (
     shortened,
     view,
 )
-from keypose.tracker.kernels.sums import LEAST_SQUARES
+from keypose.tracker.kernels.robust import LEAST_SQUARES
 from keypose.tracker.tracking.drift import Doubt, Motions
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment

@@ -18,6 +18,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.kernels.layout import BodyArrays, Lens, Prior, Visibility
 from keypose.tracker.kernels.pairs import view
+from keypose.tracker.solver.placed import lens_of
 from keypose.tracker.solver.sigmas import PREDICTED, MotionSigma
 from keypose.tracker.video.pyramid import TARGET_ONLY, USABLE, Picture
 
@@ -154,13 +155,6 @@ class Scene:
     def information(self, stride: int) -> float:
         """Independent observations that one followed point stands for."""
         return INFORMATION_PER_PIXEL * (self.points.spacing_m / self.pixel_m) ** 2 * stride
-
-
-def lens_of(camera: Camera) -> Lens:
-    """The camera for the loops; its distortion must have been taken out of the pictures."""
-    distance = camera.telephoto_distance_m or 1.0
-    flat = int(camera.projection == "perspective")
-    return Lens(camera.fx, camera.fy, camera.cx, camera.cy, flat, distance)
 
 
 def _depths(skeleton: Skeleton, camera: Camera, pose: Pose) -> Array:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
 
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose, moved, pose_transforms, twists
@@ -17,7 +16,6 @@ from keypose.tracker.kernels.chain import (
     move,
     normal_equations,
     place_parts,
-    solve_banded,
     solve_positive,
     sum_subtrees,
 )
@@ -156,28 +154,3 @@ def test_the_diagonal_of_an_inverse_is_had_from_the_factor(size: int) -> None:
 @pytest.mark.parametrize("diagonal", [(1.0, -1.0, 1.0), (1.0, 0.0, 1.0), (1.0, np.nan, 1.0)])
 def test_a_system_that_is_not_positive_is_said_to_be_none(diagonal: tuple[float, ...]) -> None:
     assert not solve_positive(np.diag(diagonal), np.ones(3))
-
-
-@pytest.mark.parametrize(("width", "size"), [(1, 4), (3, 1), (6, 2), (6, 12), (9, 30), (3, 0)])
-def test_a_banded_system_is_solved_as_by_lapack(width: int, size: int) -> None:
-    rng = np.random.default_rng(size)
-    banded = rng.normal(size=(width, size))
-    banded[-1] = 2.0 * width
-    b = rng.normal(size=size)
-    for k in range(1, width):
-        banded[width - 1 - k, :k] = 0.0  # outside the matrix
-    x = b.copy()
-    assert solve_banded(banded.copy(), x)
-    A = np.zeros((size, size))
-    for k in range(min(width, size)):
-        A += np.diag(banded[width - 1 - k, k:], k)
-        A += np.diag(banded[width - 1 - k, k:], -k) if k else 0.0
-    np.testing.assert_allclose(A @ x, b, atol=1e-12)
-    if width <= size:
-        np.testing.assert_allclose(x, solveh_banded(banded, b), atol=1e-12)
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
-def test_a_banded_system_that_is_not_positive_is_said_to_be_none(value: float) -> None:
-    banded = np.array([[0.0, 0.1, 0.1, 0.1], [1.0, 1.0, value, 1.0]])
-    assert not solve_banded(banded, np.ones(4))

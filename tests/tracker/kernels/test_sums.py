@@ -13,7 +13,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.kernels.noise import BINS, capped_square, median_residual, robust_sigma
 from keypose.tracker.kernels.pairs import linearise
-from keypose.tracker.kernels.sums import BLOCK, HUBER, LEAST_SQUARES, TUKEY, sum_points
+from keypose.tracker.kernels.robust import HUBER, LEAST_SQUARES, TUKEY
+from keypose.tracker.kernels.sums import BLOCK, sum_points
 from keypose.tracker.tracking.scene import Scene
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (

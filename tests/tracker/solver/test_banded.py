@@ -5,14 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
 
-from keypose.tracker.solver.banded import (
-    add_coupling_blocks,
-    added,
-    banded_diagonals,
-    banded_step,
-    bordered_step,
-)
+from keypose.tracker.kernels.steps import add_blocks, solve_banded
+from keypose.tracker.solver.banded import banded_step, bordered_step
 
 Floats = NDArray[np.float64]
 
@@ -20,12 +16,12 @@ FRAMES, DOFS = 6, 3
 SIZE = FRAMES * DOFS
 
 
-def dense(banded: Floats) -> Floats:
-    """The symmetric matrix that LAPACK's upper banded form stands for."""
-    width, size = banded.shape
+def dense(rows: Floats) -> Floats:
+    """The symmetric matrix that rows from the diagonal on stand for."""
+    size, width = rows.shape
     whole = np.zeros((size, size))
     for off in range(min(width, size)):
-        diagonal = banded[width - 1 - off, off:]
+        diagonal = rows[: size - off, off]
         whole += np.diag(diagonal, off)
         if off:
             whole += np.diag(diagonal, -off)
@@ -35,9 +31,9 @@ def dense(banded: Floats) -> Floats:
 def random_banded(width: int, seed: int = 0) -> Floats:
     """Positive definite, with so many diagonals."""
     rng = np.random.default_rng(seed)
-    banded = rng.normal(0, 1, (width, SIZE))
-    banded[-1] = 4.0 * width
-    return banded
+    rows = rng.normal(0, 1, (SIZE, width))
+    rows[:, 0] = 4.0 * width
+    return rows
 
 
 def damped(A: Floats, damping: float) -> Floats:
@@ -57,47 +53,21 @@ def test_blocks_between_frames_are_put_where_they_belong(off: int) -> None:
         expected[one, other] += block
         if off:
             expected[other, one] += block.T
-    kept = before.copy()
-    np.testing.assert_allclose(dense(add_coupling_blocks(before, off, blocks)), expected)
-    np.testing.assert_array_equal(before, kept)
+    add_blocks(blocks, off, before)
+    np.testing.assert_allclose(dense(before), expected)
 
 
 def test_equations_of_single_frames_are_blocks_on_the_diagonal() -> None:
     A = np.random.default_rng(2).normal(0, 1, (FRAMES, DOFS, DOFS))
     A += np.swapaxes(A, 1, 2)
-    found = dense(add_coupling_blocks(np.zeros((DOFS, SIZE)), 0, A))
+    rows = np.zeros((SIZE, DOFS))
+    add_blocks(A, 0, rows)
+    found = dense(rows)
     for j, block in enumerate(A):
-        rows = slice(j * DOFS, (j + 1) * DOFS)
-        np.testing.assert_array_equal(found[rows, rows], block)
-        found[rows, rows] = 0
+        own = slice(j * DOFS, (j + 1) * DOFS)
+        np.testing.assert_array_equal(found[own, own], block)
+        found[own, own] = 0
     assert not found.any()
-
-
-@pytest.mark.parametrize(
-    "unknown",
-    [slice(None), slice(1, -1), slice(1, None), slice(2, 4), slice(3, 4)],
-    ids=["all", "inner", "from the second", "two", "one"],
-)
-def test_diagonals_between_frames_are_those_of_the_unknown_frames(unknown: slice) -> None:
-    rng = np.random.default_rng(3)
-    diagonals = [rng.normal(0, 1, (FRAMES - off, DOFS)) for off in range(4)]
-    whole = np.zeros((SIZE, SIZE))
-    for off, rows in enumerate(diagonals):
-        for j, row in enumerate(rows):
-            one, other = np.arange(DOFS) + j * DOFS, np.arange(DOFS) + (j + off) * DOFS
-            whole[one, other] = row
-            whole[other, one] = row
-    of = np.arange(SIZE).reshape(FRAMES, DOFS)[unknown].ravel()
-    found = banded_diagonals(diagonals, unknown)
-    assert found.shape == (4 * DOFS, len(of))
-    np.testing.assert_array_equal(dense(found), whole[np.ix_(of, of)])
-
-
-def test_a_sum_has_the_diagonals_of_both_whichever_has_more() -> None:
-    wide, narrow = random_banded(3 * DOFS, 1), random_banded(DOFS, 2)
-    expected = dense(wide) + dense(narrow)
-    np.testing.assert_allclose(dense(added(wide, narrow)), expected)
-    np.testing.assert_allclose(dense(added(narrow, wide)), expected)
 
 
 @pytest.mark.parametrize("damping", [0.0, 1e-3, 10.0])
@@ -129,7 +99,7 @@ def test_a_step_with_shared_unknowns_is_that_of_the_equations_written_out(
 
 def test_equations_that_are_not_positive_definite_have_no_step() -> None:
     banded = random_banded(2 * DOFS)
-    banded[-1, 5] = -8.0
+    banded[5, 0] = -8.0
     b, border = np.ones(SIZE), np.ones((SIZE, 2))
     assert banded_step(banded, b, 0.0) is None
     assert bordered_step(banded, border, np.eye(2), b, np.ones(2), 0.0) is None
@@ -142,3 +112,23 @@ def test_a_step_leaves_its_equations_as_they_are() -> None:
     assert bordered_step(banded, border, corner, b, c, 1.0) is not None
     for array, before in zip((banded, border, corner, b, c), given, strict=True):
         np.testing.assert_array_equal(array, before)
+
+
+@pytest.mark.parametrize(("width", "size"), [(1, 4), (3, 1), (6, 2), (6, 12), (9, 30), (3, 0)])
+def test_a_banded_system_is_solved_as_by_lapack(width: int, size: int) -> None:
+    rng = np.random.default_rng(size)
+    rows, b = rng.normal(size=(size, width)), rng.normal(size=size)
+    rows[:, 0] = 2.0 * width
+    for k in range(1, width):
+        rows[max(size - k, 0) :, k] = 0.0  # outside the matrix
+    x = b.copy()
+    assert solve_banded(rows.copy(), x)
+    np.testing.assert_allclose(dense(rows) @ x, b, atol=1e-12)
+    if width <= size:
+        np.testing.assert_allclose(x, solveh_banded(rows.T, b, lower=True), atol=1e-12)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+def test_a_banded_system_that_is_not_positive_is_said_to_be_none(value: float) -> None:
+    rows = np.array([[1.0, 0.1], [1.0, 0.1], [value, 0.1], [1.0, 0.0]])
+    assert not solve_banded(rows, np.ones(4))

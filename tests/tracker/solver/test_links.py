@@ -66,6 +66,15 @@ def posed(at: Trajectory) -> Posed:
     return Posed(SKELETON, at.Rs_parent_part, at.ps_camera_root)
 
 
+def equations(link: Link, at: Trajectory, unknown: slice = EVERY) -> tuple[Floats, Floats]:
+    """Rows (u D, w) of the unknown poses, and their gradient (u, D)."""
+    count = len(range(*unknown.indices(len(at))))
+    rows = np.zeros((count * DOFS, (1 + link.reach) * DOFS))
+    b = np.zeros(count * DOFS)
+    link.add_to(at, unknown, rows, b)
+    return rows, b.reshape(count, DOFS)
+
+
 def difference(value: Callable[[Trajectory], float], at: Trajectory, size: float = 1e-6) -> Floats:
     """(N, D) central differences over the motions of every pose."""
     found = np.zeros((len(at), DOFS))
@@ -142,7 +151,7 @@ def test_the_gradient_of_jerk_is_that_of_its_cost(
     turn_rad: float, unknown: slice, varying: bool
 ) -> None:
     link, at = jerk(varying=varying), motion(turn_rad)
-    _, b = link.equations(at, unknown)
+    _, b = equations(link, at, unknown)
     expected = _slope_of_jerk(turn_rad, varying)[unknown]
     np.testing.assert_allclose(b, expected, atol=1e-6 * np.abs(expected).max())
 
@@ -155,8 +164,8 @@ def test_the_equations_of_jerk_are_the_products_of_its_slopes(
 ) -> None:
     link, at, J = jerk(varying=varying), motion(turn_rad), _slopes_of_jerk(turn_rad, varying)
     of = np.arange(FRAMES * DOFS).reshape(FRAMES, DOFS)[unknown].ravel()
-    banded, _ = link.equations(at, unknown)
-    assert banded.shape == (4 * DOFS, len(of))
+    banded, _ = equations(link, at, unknown)
+    assert banded.shape == (len(of), 4 * DOFS)
     expected = (J @ J.T)[np.ix_(of, of)]
     np.testing.assert_allclose(dense(banded), expected, atol=1e-6 * np.abs(expected).max())
 
@@ -208,7 +217,7 @@ def test_links_have_the_gradient_of_small_steps(
     make: Callable[[Trajectory], Link], unknown: slice
 ) -> None:
     at = motion(1e-4, shift_m=1e-4)
-    _, b = make(at).equations(at, unknown)
+    _, b = equations(make(at), at, unknown)
     expected = _slope_of_small_steps(make)[unknown]
     np.testing.assert_allclose(b, expected, atol=2e-3 * np.abs(expected).max())
 
@@ -220,8 +229,8 @@ def test_the_equations_of_some_poses_are_those_of_all_without_the_others(
 ) -> None:
     at = motion(0.3)
     link = make(at)
-    every, b = link.equations(at, slice(None))
-    some, own = link.equations(at, unknown)
+    every, b = equations(link, at)
+    some, own = equations(link, at, unknown)
     of = np.arange(FRAMES * DOFS).reshape(FRAMES, DOFS)[unknown].ravel()
     np.testing.assert_array_equal(dense(some), dense(every)[np.ix_(of, of)])
     np.testing.assert_array_equal(own, b[unknown])
@@ -231,14 +240,14 @@ def test_the_equations_of_some_poses_are_those_of_all_without_the_others(
 @pytest.mark.parametrize("frames", [1, 2, 3])
 def test_in_up_to_three_frames_there_is_no_jerk_but_there_are_steps(frames: int) -> None:
     at = motion(0.1, frames)
-    banded, b = jerk().equations(at, slice(None))
+    banded, b = equations(jerk(), at)
     assert not banded.any()
     assert not b.any()
     link = Increments(SKELETON, increments(SKELETON, at), np.ones((frames - 1, DOFS)), SQUARED)
-    found = dense(link.equations(at, slice(None))[0])
+    found = dense(equations(link, at)[0])
     assert np.linalg.matrix_rank(found) == (frames - 1) * DOFS
     even = Smoothness.even(SKELETON, frames, np.ones(DOFS))
-    found = dense(even.equations(at, slice(None))[0])
+    found = dense(equations(even, at)[0])
     assert np.linalg.matrix_rank(found) == max(frames - 2, 0) * DOFS
 
 
@@ -268,9 +277,9 @@ def point(name: str, at: Trajectory, shared: Floats = SHARED) -> MotionPoint:
 
 def whole(found: MotionPoint) -> Floats:
     """The matrix of all poses and all that is shared."""
-    equations = found.equations
-    top = np.hstack([dense(equations.banded), equations.border])
-    return np.vstack([top, np.hstack([equations.border.T, equations.corner])])
+    solved = found.equations
+    top = np.hstack([dense(solved.rows), solved.border])
+    return np.vstack([top, np.hstack([solved.border.T, solved.corner])])
 
 
 @SIZES

@@ -8,7 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.kernels.noise import BINS
-from keypose.tracker.kernels.sums import BLOCK, HUBER, sum_points
+from keypose.tracker.kernels.robust import HUBER
+from keypose.tracker.kernels.sums import BLOCK, sum_points
 from keypose.tracker.video.pyramid import (
     IGNORED,
     LEVELS,

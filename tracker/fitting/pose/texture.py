@@ -20,15 +20,13 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.chain import camera_twists, normal_equations, place_parts, sum_subtrees
 from keypose.tracker.kernels.noise import BINS, capped_square, robust_sigma
 from keypose.tracker.kernels.pairs import CAP, scaled_lens
+from keypose.tracker.kernels.robust import HUBER, LEAST_SQUARES, TUKEY
 from keypose.tracker.kernels.seeing import pick, room, see
 from keypose.tracker.kernels.sums import (
     BLOCK,
     GAIN_CENTRE,
     GAIN_SCALE,
-    HUBER,
     HUBER_WIDTH,
-    LEAST_SQUARES,
-    TUKEY,
     TUKEY_WIDTH,
     gather,
     sum_points,

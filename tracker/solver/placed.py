@@ -1,0 +1,139 @@
+"""Poses as the compiled loops take them: contiguous arrays of N poses, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.body.joint_limits import LEAST_COS, LEAST_DETERMINED, Limits
+from keypose.tracker.body.skeleton import BODIES, Skeleton
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.layout import Articulation, JointRanges, Lens, Places
+from keypose.tracker.kernels.places import move_all, place_all, place_poses
+from keypose.tracker.kernels.robust import CAUCHY, HUBER, LEAST_SQUARES, TUKEY
+from keypose.tracker.kernels.steps import motions_between
+from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Squared, Tukey
+
+NUMBERS: Mapping[type[Kernel], int] = {
+    Squared: LEAST_SQUARES, Huber: HUBER, Tukey: TUKEY, Cauchy: CAUCHY,
+}  # fmt: skip
+
+
+def numbered(kernel: Kernel) -> tuple[int, float]:
+    """A robust kernel: its number and its width."""
+    return NUMBERS[type(kernel)], kernel.width
+
+
+@lru_cache(maxsize=BODIES)
+def articulation(skeleton: Skeleton) -> Articulation:
+    """How the poses of a body move."""
+    return Articulation(
+        skeleton.parents, skeleton.joints, skeleton.dof_part, skeleton.dof_turns, skeleton.dof_axis
+    )
+
+
+def places_of(
+    skeleton: Skeleton, counts: Sequence[int], parts: NDArray[np.int64], points: Array
+) -> Places:
+    """Places on a body, each the mean of so many points (K, 3) in the frames of parts (K,)."""
+    starts = np.cumsum([0, *counts])
+    moves = skeleton.below[parts][:, skeleton.dof_part]
+    moved = [np.flatnonzero(moves[first:last].any(axis=0)) for first, last in pairwise(starts)]
+    dof_starts = np.cumsum([0, *(len(dofs) for dofs in moved)])
+    dofs = np.concatenate([*moved, np.zeros(0, np.int64)])
+    return Places(starts, parts, points, dof_starts, dofs, moves)
+
+
+def ranges_of(
+    skeleton: Skeleton, limits: Limits, sigma_rad: float, allowed: Array | None, onset_rad: float
+) -> JointRanges:
+    """Joint limits, and what may lie beyond them."""
+    parts, twists = skeleton.part_count, limits.twists
+    place = np.full(parts, -1)
+    place[limits.twisted] = np.arange(len(limits.twisted))
+    none = np.zeros(0)
+    low, high, R_rest = (
+        (none, none, np.zeros((0, 3, 3)))
+        if twists is None
+        else (np.array(twists.low), np.array(twists.high), np.array(twists.R_rest))
+    )
+    return JointRanges(
+        np.array(limits.low), np.array(limits.high),
+        np.any(np.isfinite([limits.low, limits.high]), axis=(0, 2)),
+        place, low, high, R_rest,
+        np.zeros((parts, 4)) if allowed is None else np.array(allowed),
+        sigma_rad, onset_rad, LEAST_COS, LEAST_DETERMINED,
+        np.searchsorted(skeleton.dof_part, np.arange(parts + 1)),
+    )  # fmt: skip
+
+
+def lens_of(camera: Camera) -> Lens:
+    """A camera; its distortion must have been taken out of the pictures."""
+    distance = camera.telephoto_distance_m or 1.0
+    flat = int(camera.projection == "perspective")
+    return Lens(camera.fx, camera.fy, camera.cx, camera.cy, flat, distance)
+
+
+def motions_of(
+    skeleton: Skeleton, R: Array, p: Array, R_to: Array, p_to: Array, *, backward: bool
+) -> Array:
+    """(N, D) the tracked part of the motions from N poses to others, as `Posed.motion_from`."""
+    return _motions(articulation(skeleton), R, p, R_to, p_to, backward)
+
+
+def _motions(
+    chain: Articulation, R: Array, p: Array, R_to: Array, p_to: Array, backward: bool
+) -> Array:
+    motion = np.empty((len(p), len(chain.dof_part)))
+    motions_between(chain, R, p, R_to, p_to, backward, motion)
+    return motion
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """N poses of a body, and where they have its parts.
+
+    Rs_parent_part (N, P, 3, 3), ps_camera_root (N, 3) · Rs_camera_part (N, P, 3, 3), ps_camera_part
+    (N, P, 3) · twists (N, D, 6) of the degrees of freedom.
+    """
+
+    chain: Articulation
+    Rs_parent_part: Array
+    ps_camera_root: Array
+    Rs_camera_part: Array
+    ps_camera_part: Array
+    twists: Array
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, Rs_parent_part: Array, ps_camera_root: Array) -> Placed:
+        """All parts of these poses."""
+        count, parts = Rs_parent_part.shape[:2]
+        R, p = np.empty((count, parts, 3, 3)), np.empty((count, parts, 3))
+        S = np.empty((count, skeleton.dof_count, 6))
+        chain = articulation(skeleton)
+        place_poses(chain, Rs_parent_part, ps_camera_root, R, p, S)
+        return cls(chain, Rs_parent_part, ps_camera_root, R, p, S)
+
+    def positions(self, places: Places) -> Array:
+        """(N, J, 3) in the camera frame."""
+        p = np.empty((len(self.ps_camera_root), len(places.starts) - 1, 3))
+        place_all(places, self.Rs_camera_part, self.ps_camera_part, p)
+        return p
+
+    def jacobian(self, places: Places) -> tuple[Array, Array]:
+        """The same, and (N, J, D, 3) how they move with each degree of freedom."""
+        p = np.empty((len(self.ps_camera_root), len(places.starts) - 1, 3))
+        J = np.zeros((*p.shape[:2], self.twists.shape[1], 3))
+        move_all(places, self.Rs_camera_part, self.ps_camera_part, self.twists, p, J)
+        return p, J
+
+    def motion_from(self, Rs_parent_part: Array, ps_camera_root: Array, *, backward: bool) -> Array:
+        """(N, D) as `Posed.motion_from`."""
+        here, there = (Rs_parent_part, ps_camera_root), (self.Rs_parent_part, self.ps_camera_root)
+        return _motions(self.chain, *here, *there, backward)
