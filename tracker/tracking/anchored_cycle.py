@@ -122,7 +122,9 @@ def _is_misled(
     """
     if any((ended.anchors.by_hand > 0).any() for ended in ends):
         return False
-    followed = capped_score(free, segment.clip, begun.ways[0].trajectory, method.stride)
+    followed = capped_score(
+        free, segment.clip, begun.ways[0].trajectory, method.stride, segment.looks
+    )
     return all(ended.score is not None and ended.score > followed for ended in ends)
 
 
@@ -220,7 +222,7 @@ def _measure(
     score.
     """
     motions, score = robust_pass(
-        scene, segment.clip, present, method.stride, method.inner, method.stop
+        scene, segment.clip, present, method.stride, method.inner, method.stop, segment.looks
     )
     return measured_increments(scene, present, motions), drift_px(scene, present, motions), score
 

@@ -119,7 +119,9 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
     present, what = first.trajectory, first.what
     drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
-        motions, score = robust_pass(scene, clip, present, method.stride, method.inner, method.stop)
+        motions, score = robust_pass(
+            scene, clip, present, method.stride, method.inner, method.stop, segment.looks
+        )
         drift = drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
@@ -129,7 +131,9 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
             break
         present, what, gap = following.trajectory, "pass", following.gap
     if present is not tried[-1].trajectory:
-        last_score = capped_score(scene, clip, present, method.stride) if method.judged else None
+        last_score = None
+        if method.judged:
+            last_score = capped_score(scene, clip, present, method.stride, segment.looks)
         tried.append(Pass(what, present, last_score))
         yield tried[-1]
     best = best_of(tried)
@@ -155,8 +159,9 @@ def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pas
     trajectory = refine(scene, segment.clip, start.trajectory, method.refinement, others)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
-    judged = method.judged
-    score = capped_score(scene, segment.clip, trajectory, method.stride) if judged else None
+    score = None
+    if method.judged:
+        score = capped_score(scene, segment.clip, trajectory, method.stride, segment.looks)
     return Pass("refinement", trajectory, score)
 
 
