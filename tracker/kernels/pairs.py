@@ -184,9 +184,9 @@ def follow_pairs(
 
     R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) is where each
     frame lies in `pictures`. Every pair starts from the trajectory's own pose, which keeps frames
-    independent. views: `Views` of the n first frames, used and renewed. R_next (n, P, 3, 3), t_next (n, 3) ← where frame j's motion leads; turned (n, P)
-    and shifted (n,) ← its `doubts`. The mean capped square of the trajectory's own residuals comes
-    back.
+    independent. views: `Views` of the n first frames, used and renewed. R_next (n, P, 3, 3), t_next
+    (n, 3) ← where frame j's motion leads; turned (n, P) and shifted (n,) ← its `doubts`. The mean
+    capped square of the trajectory's own residuals comes back.
     """
     height, width = pictures.shape[1], pictures.shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, visibility, width, height)

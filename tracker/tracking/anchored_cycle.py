@@ -33,7 +33,7 @@ from keypose.tracker.tracking.cues.soft_correction import (
 from keypose.tracker.tracking.cycle import Outcome, Work, drift_px, track_from
 from keypose.tracker.tracking.frame_pair import capped_score, robust_pass
 from keypose.tracker.tracking.initial.choose import Starts
-from keypose.tracker.tracking.segment import distance_px, is_sound
+from keypose.tracker.tracking.segment import distance_px, extent_px, is_sound
 
 if TYPE_CHECKING:
     from keypose.tracker.geometry.rotations import Array
@@ -48,9 +48,27 @@ IN_PASSES, IN_REFINEMENT = 0.5, 1.5
 keypoints have led, and leave the more to brightness."""
 
 
+MEETS = 0.004
+"""Share of the body's extent, in the mean over its marks: from two starts the cycle has led to one
+motion where they lie no farther apart."""
+SETTLED = 0.002
+"""The same between two passes: no other follows one that moves less."""
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """Where the cycle from one start met that from another: both trajectories after a pass."""
+
+    here: Trajectory
+    there: Trajectory
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """Where the cycle led from one start. index: of its last trajectory among all passes.
+
+    led: the trajectories after its passes.  met: where another start's cycle met it, which ended
+    there.
 
     cost: of all evidence together.  score: grey levels², None where brightness does not count.
     drift_px (N - 1, M): what was left to correct.
@@ -62,6 +80,8 @@ class Candidate:
     score: float | None
     drift_px: Array
     anchors: Anchors
+    led: tuple[Trajectory, ...] = ()
+    met: tuple[Meeting, ...] = ()
 
 
 def track_anchored(
@@ -99,11 +119,14 @@ def track_anchored(
             yield alone
             ends.append(measured_by_keypoints(correction, alone.trajectory, len(tried) - 1))
             continue
+        of_anchors: list[Candidate] = []
         for start in (alone, *begun.ways[:1]):
             if is_sound(scene, segment, start.trajectory):
-                work = cycle(replace(correction, drift_scale=scale), method, start, tried)
-                ended = yield from work
-                ends.append(ended)
+                drifting = replace(correction, drift_scale=scale)
+                before = of_anchors[0] if of_anchors else None
+                ended = yield from cycle(drifting, method, start, tried, before)
+                of_anchors = [ended] if ended.met else [*of_anchors, ended]
+        ends += of_anchors
     if begun.chains is not None and _is_misled(free, segment, method, begun, ends):
         motion, index = yield from _by_brightness(scene, segment, method, begun, tried)
         measured, drift, score = _measure(free, segment, method, motion)
@@ -155,16 +178,21 @@ def measured_by_keypoints(correction: Correction, found: Trajectory, index: int)
 
 
 def cycle(
-    correction: Correction, method: Keypose, start: Pass, tried: list[Pass]
-) -> Generator[Pass, None, Candidate]:
+    correction: Correction, method: Keypose, start: Pass, tried: list[Pass],
+    before: Candidate | None = None,
+) -> Generator[Pass, None, Candidate]:  # fmt: skip
     """All passes from one start, which are put into `tried` one by one. The first one is led by the
     keypoints of each frame, which reach far; the others by steadied ones.
+
+    before: where the cycle led from another start. Where this one meets it, it would go the same
+        way, and that one comes back.
 
     Refined are motions between two keyframes: a last pose that nobody set is no texture to
     compare with.
     """
     free, segment = correction.scene, correction.segment
     present, what = start.trajectory, start.what
+    extent, led = extent_px(free, present), []
     for turn in range(method.passes):
         measured, _, score = _measure(free, segment, method, present)
         tried.append(Pass(what, present, score))
@@ -173,7 +201,15 @@ def cycle(
         following = steady.solve(present, measured, Cauchy())
         if not is_sound(free, segment, following):
             break
+        moved = distance_px(free, present, following).mean() / extent
         present, what = following, "pass"
+        led.append(present)
+        if before is not None and (met := _meeting(free, present, before, extent)) is not None:
+            tried.append(Pass(what, present, before.score))
+            yield tried[-1]
+            return replace(before, met=(*before.met, met))
+        if moved < SETTLED:
+            break
     measured, drift, score = _measure(free, segment, method, present)
     tried.append(Pass(what, present, score))
     yield tried[-1]
@@ -187,7 +223,17 @@ def cycle(
         measured, drift, score = _measure(free, segment, method, present)
         tried.append(Pass("refinement", present, score))
         yield tried[-1]
-    return _ended(correction, present, measured, drift, score, len(tried) - 1)
+    ended = _ended(correction, present, measured, drift, score, len(tried) - 1)
+    return replace(ended, led=tuple(led))
+
+
+def _meeting(free: Scene, present: Trajectory, before: Candidate, extent: float) -> Meeting | None:
+    """Where a trajectory meets one of those from another start; None where it meets none."""
+    away = [distance_px(free, present, there).mean() for there in before.led]
+    nearest = int(np.argmin(away)) if away else 0
+    if not away or not away[nearest] < MEETS * extent:
+        return None
+    return Meeting(present, before.led[nearest])
 
 
 def _ended(
@@ -257,10 +303,15 @@ def joint_evidence(
     and how far the others lie that took left and right alike. keyed: its rows that are keyframes.
     """
     anchors, height = best.anchors, best.anchors.height_px
-    here = _joint_pixels(free, best)
+    here = _joint_pixels(free, anchors, best.trajectory)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height
     others = [end for end in ends if end is not best and end.anchors is anchors]
-    apart = [np.linalg.norm(_joint_pixels(free, end) - here, axis=-1) for end in others]
+    ways = [(end.trajectory, best.trajectory) for end in others]
+    ways += [(met.here, met.there) for met in best.met]
+    apart = [
+        np.linalg.norm(_joint_pixels(free, anchors, a) - _joint_pixels(free, anchors, b), axis=-1)
+        for a, b in ways
+    ]
     return JointEvidence(
         anchors.parts,
         np.where(anchors.known, away, np.nan),
@@ -291,6 +342,6 @@ def _drift_by_part(free: Scene, end: Candidate) -> Array:
     return np.asarray(0.5 * (around[:-1] + around[1:]))
 
 
-def _joint_pixels(free: Scene, end: Candidate) -> Array:
-    """(N, K) where the joints are that have keypoints."""
-    return image_points(free.camera, end.anchors.where(end.trajectory.transforms(free.skeleton)))
+def _joint_pixels(free: Scene, anchors: Anchors, motion: Trajectory) -> Array:
+    """(N, K, 2) where the joints are that have keypoints."""
+    return image_points(free.camera, anchors.where(free.transforms(motion)))
