@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from keypose.tracker.kernels import compiled
-from keypose.tracker.kernels.rigid import turned_back
+from keypose.tracker.kernels.rigid import put_place, turned_back
 
 
 @compiled
@@ -25,6 +25,21 @@ def near_middle(value, low, high):
 
 
 @compiled
+def put_triple(ranges, i, x, y, z, angles):
+    """angles (3,) ← a triple, as near the middle of part i's ranges as full turns allow.
+
+    By how much it lies outside comes back.
+    """
+    angles[0] = near_middle(x, ranges.low[i, 0], ranges.high[i, 0])
+    angles[1] = near_middle(y, ranges.low[i, 1], ranges.high[i, 1])
+    angles[2] = near_middle(z, ranges.low[i, 2], ranges.high[i, 2])
+    outside = 0.0
+    for a in range(3):
+        outside += abs(beyond(angles[a], ranges.low[i, a], ranges.high[i, a]))
+    return outside
+
+
+@compiled
 def put_angles(ranges, i, R, angles):
     """angles (3,) ← x, y, z of part i's rotation: of both triples the one less far outside."""
     flat = math.hypot(R[0, 0], R[1, 0])
@@ -33,21 +48,12 @@ def put_angles(ranges, i, R, angles):
         z, x = math.atan2(-R[0, 1], R[1, 1]), 0.0
     else:
         z, x = math.atan2(R[1, 0], R[0, 0]), math.atan2(R[2, 1], R[2, 2])
-    outside = other_outside = 0.0
-    for a in range(3):
-        low, high = ranges.low[i, a], ranges.high[i, a]
-        own, turned = x, x + math.pi
-        if a == 1:
-            own, turned = y, math.pi - y
-        elif a == 2:
-            own, turned = z, z + math.pi
-        angles[a] = near_middle(own, low, high)
-        outside += abs(beyond(angles[a], low, high))
-        other_outside += abs(beyond(near_middle(turned, low, high), low, high))
-    if other_outside < outside - 1e-9:
-        angles[0] = near_middle(x + math.pi, ranges.low[i, 0], ranges.high[i, 0])
-        angles[1] = near_middle(math.pi - y, ranges.low[i, 1], ranges.high[i, 1])
-        angles[2] = near_middle(z + math.pi, ranges.low[i, 2], ranges.high[i, 2])
+    outside = put_triple(ranges, i, x, y, z, angles)
+    if outside == 0.0:
+        return
+    other = np.empty(3)
+    if put_triple(ranges, i, x + math.pi, math.pi - y, z + math.pi, other) < outside - 1e-9:
+        put_place(other, angles)
 
 
 @compiled

@@ -142,8 +142,11 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
 
 @compiled
 def has_moved(body, HR, Ho, lens, before, uv):
-    """uv (P, 2, 2) ← where the first and last point of every part are. Whether one of them has moved
-    by more than LOOK_AGAIN_PX from where it was before, or was nowhere, comes back."""
+    """uv (P, 2, 2) ← where the first and last point of every part are.
+
+    Whether one of them has moved by more than LOOK_AGAIN_PX from where it was before, or was
+    nowhere, comes back.
+    """
     moved = False
     for i in range(body.parents.shape[0]):
         if body.starts[i] == body.starts[i + 1]:

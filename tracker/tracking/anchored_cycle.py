@@ -31,7 +31,7 @@ from keypose.tracker.tracking.cues.soft_correction import (
     measured_increments,
 )
 from keypose.tracker.tracking.cycle import Outcome, Work, drift_px, track_from
-from keypose.tracker.tracking.frame_pair import capped_score, robust_pass
+from keypose.tracker.tracking.frame_pair import robust_pass
 from keypose.tracker.tracking.initial.choose import Starts
 from keypose.tracker.tracking.segment import distance_px, extent_px, is_sound
 
@@ -53,6 +53,16 @@ MEETS = 0.004
 motion where they lie no farther apart."""
 SETTLED = 0.002
 """The same between two passes: no other follows one that moves less."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What the pictures say of a trajectory: of every step, how far that leads from it, (N - 1, M)
+    pixels, and its score, grey levels²."""
+
+    steps: Increments
+    drift_px: Array
+    score: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,10 +117,10 @@ def track_anchored(
     reach_far = reach_far and begun.chains is None
     tried: list[Pass] = []
     ends: list[Candidate] = []
-    scale = 1.0
+    scale, followed = 1.0, None
     if begun.chains is not None:
-        measured, _, _ = _measure(free, segment, method, begun.ways[0].trajectory)
-        scale = increment_scale(segment, begun.chains, measured)
+        followed = _measure(free, segment, method, begun.ways[0].trajectory)
+        scale = increment_scale(segment, begun.chains, followed.steps)
     for anchors in candidates:
         correction = Correction(free, segment, anchors)
         alone = Pass("keypoints", from_keypoints(correction, reach_far), None)
@@ -120,35 +130,30 @@ def track_anchored(
             ends.append(measured_by_keypoints(correction, alone.trajectory, len(tried) - 1))
             continue
         of_anchors: list[Candidate] = []
-        for start in (alone, *begun.ways[:1]):
+        for start, known in ((alone, None), *((way, followed) for way in begun.ways[:1])):
             if is_sound(scene, segment, start.trajectory):
                 drifting = replace(correction, drift_scale=scale)
                 before = of_anchors[0] if of_anchors else None
-                ended = yield from cycle(drifting, method, start, tried, before)
+                ended = yield from cycle(drifting, method, start, tried, known, before)
                 of_anchors = [ended] if ended.met else [*of_anchors, ended]
         ends += of_anchors
-    if begun.chains is not None and _is_misled(free, segment, method, begun, ends):
+    if followed is not None and _is_misled(followed, ends):
         motion, index = yield from _by_brightness(scene, segment, method, begun, tried)
-        measured, drift, score = _measure(free, segment, method, motion)
+        measured = _measure(free, segment, method, motion)
         for anchors in candidates:
             correction = Correction(free, segment, anchors, drift_scale=scale)
-            ends.append(_ended(correction, motion, measured, drift, score, index))
+            ends.append(_ended(correction, motion, measured, index))
     best = min(ends, key=lambda ended: ended.cost)
     return _outcome(scene, free, begun, tried, ends, best)
 
 
-def _is_misled(
-    free: Scene, segment: Segment, method: Keypose, begun: Starts, ends: Sequence[Candidate]
-) -> bool:
+def _is_misled(followed: Measured, ends: Sequence[Candidate]) -> bool:
     """Return whether all that was found with keypoints explains the pictures worse than the body as
     it was followed to begin with. What a person set right misleads nobody.
     """
     if any((ended.anchors.by_hand > 0).any() for ended in ends):
         return False
-    followed = capped_score(
-        free, segment.clip, begun.ways[0].trajectory, method.stride, segment.looks
-    )
-    return all(ended.score is not None and ended.score > followed for ended in ends)
+    return all(ended.score is not None and ended.score > followed.score for ended in ends)
 
 
 def _by_brightness(
@@ -179,11 +184,12 @@ def measured_by_keypoints(correction: Correction, found: Trajectory, index: int)
 
 def cycle(
     correction: Correction, method: Keypose, start: Pass, tried: list[Pass],
-    before: Candidate | None = None,
+    known: Measured | None = None, before: Candidate | None = None,
 ) -> Generator[Pass, None, Candidate]:  # fmt: skip
     """All passes from one start, which are put into `tried` one by one. The first one is led by the
     keypoints of each frame, which reach far; the others by steadied ones.
 
+    known: what the pictures say of the start, where that was asked.
     before: where the cycle led from another start. Where this one meets it, it would go the same
         way, and that one comes back.
 
@@ -194,11 +200,12 @@ def cycle(
     present, what = start.trajectory, start.what
     extent, led = extent_px(free, present), []
     for turn in range(method.passes):
-        measured, _, score = _measure(free, segment, method, present)
-        tried.append(Pass(what, present, score))
+        measured = known or _measure(free, segment, method, present)
+        known = None
+        tried.append(Pass(what, present, measured.score))
         yield tried[-1]
         steady = _steadied(correction, present, IN_PASSES) if turn else correction
-        following = steady.solve(present, measured, Cauchy())
+        following = steady.solve(present, measured.steps, Cauchy())
         if not is_sound(free, segment, following):
             break
         moved = distance_px(free, present, following).mean() / extent
@@ -210,20 +217,20 @@ def cycle(
             return replace(before, met=(*before.met, met))
         if moved < SETTLED:
             break
-    measured, drift, score = _measure(free, segment, method, present)
-    tried.append(Pass(what, present, score))
+    measured = _measure(free, segment, method, present)
+    tried.append(Pass(what, present, measured.score))
     yield tried[-1]
     refined = present
     if not correction.open_end:
         steady = _steadied(correction, present, IN_REFINEMENT * correction.drift_scale)
-        others = steady.problem(measured, Cauchy(), BEND_IN_PICTURE)
+        others = steady.problem(measured.steps, Cauchy(), BEND_IN_PICTURE)
         refined = refine(free, segment.clip, present, method.refinement, others)
     if refined is not present and is_sound(free, segment, refined):
         present = refined
-        measured, drift, score = _measure(free, segment, method, present)
-        tried.append(Pass("refinement", present, score))
+        measured = _measure(free, segment, method, present)
+        tried.append(Pass("refinement", present, measured.score))
         yield tried[-1]
-    ended = _ended(correction, present, measured, drift, score, len(tried) - 1)
+    ended = _ended(correction, present, measured, len(tried) - 1)
     return replace(ended, led=tuple(led))
 
 
@@ -236,19 +243,16 @@ def _meeting(free: Scene, present: Trajectory, before: Candidate, extent: float)
     return Meeting(present, before.led[nearest])
 
 
-def _ended(
-    correction: Correction, motion: Trajectory, measured: Increments, drift: Array, score: float,
-    index: int,
-) -> Candidate:  # fmt: skip
+def _ended(correction: Correction, motion: Trajectory, measured: Measured, index: int) -> Candidate:
     """Rate a motion: what anchors, limits and steps say, and how well the pictures are explained.
 
     Differences of brightness have a width that nobody knows, so they count by the logarithm of
     their mean square, as often in each frame as the body has degrees of freedom to explain them.
     """
-    steps = len(motion) - 1
-    unexplained = 0.5 * steps * correction.scene.skeleton.dof_count * np.log(score + SCORE_GREY2)
-    cost = correction.cost(motion, measured) + float(unexplained)
-    return Candidate(index, motion, cost, score, drift, correction.anchors)
+    steps, dofs, score = len(motion) - 1, correction.scene.skeleton.dof_count, measured.score
+    unexplained = 0.5 * steps * dofs * np.log(score + SCORE_GREY2)
+    cost = correction.cost(motion, measured.steps) + float(unexplained)
+    return Candidate(index, motion, cost, score, measured.drift_px, correction.anchors)
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
@@ -261,16 +265,13 @@ def _steadied(correction: Correction, present: Trajectory, weight: float) -> Cor
     return replace(correction, anchors=anchors.weighted(weight))
 
 
-def _measure(
-    scene: Scene, segment: Segment, method: Keypose, present: Trajectory
-) -> tuple[Increments, Array, float]:
-    """Return what the picture says of every step, how far that leads from the motion, and its
-    score.
-    """
+def _measure(scene: Scene, segment: Segment, method: Keypose, present: Trajectory) -> Measured:
+    """What the pictures say of a trajectory."""
     motions, score = robust_pass(
         scene, segment.clip, present, method.stride, method.inner, method.stop, segment.looks
     )
-    return measured_increments(scene, present, motions), drift_px(scene, present, motions), score
+    steps = measured_increments(scene, present, motions)
+    return Measured(steps, drift_px(scene, present, motions), score)
 
 
 def _outcome(
