@@ -92,6 +92,21 @@ def write_numbered(path: Path, count: int, **how: Any) -> Path:
     return write_clip(path, [numbered_picture(number) for number in range(count)], **how)
 
 
+def write_cut(path: Path, whole: Path, count: int) -> Path:
+    """A clip without its first frames, as phones cut it: they are in the file and are not shown."""
+    how = {"avoid_negative_ts": "disabled"}
+    with av.open(str(whole)) as source, av.open(str(path), "w", options=how) as cut:
+        before: Any = source.streams.video[0]
+        stream = cut.add_stream_from_template(before)
+        away = round(count / before.average_rate / before.time_base)
+        for packet in source.demux(before):
+            if packet.dts is not None and packet.pts is not None:
+                packet.pts, packet.dts = packet.pts - away, packet.dts - away
+                packet.stream = stream
+                cut.mux(packet)
+    return path
+
+
 def write_sound(path: Path) -> Path:
     """A file with a tenth of a second of silence and no pictures."""
     with av.open(str(path), "w") as container:

@@ -59,17 +59,22 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
     """The index from the packets, without decoding; None when they are not reliable.
 
     They are when the container is of the kind that keeps time well, every packet has a pts of its
-    own that is not negative, none is damaged or to be thrown away, and the header counts the same.
+    own, which is not negative where it is shown, none is damaged, and the header counts the same.
+    What is before the beginning of a film that was cut without being encoded anew is not shown.
     """
     if not _TRUSTED & set(container.format.name.split(",")):
         return None
     pts: list[int] = []
     keys: list[int] = []
+    hidden = 0
     try:
         for packet in container.demux(stream):
             if not packet.size:
                 continue
-            if packet.pts is None or packet.pts < 0 or packet.is_discard or packet.is_corrupt:
+            if packet.is_discard:
+                hidden += 1
+                continue
+            if packet.pts is None or packet.pts < 0 or packet.is_corrupt:
                 return None
             pts.append(packet.pts)
             if packet.is_keyframe:
@@ -77,7 +82,8 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
     except PYAV_ERRORS:
         return None  # decoding will show how far the file can be read
     ordered = np.unique(np.asarray(pts, dtype=np.int64))
-    if len(ordered) != len(pts) or stream.frames not in (0, len(pts)) or stream.time_base is None:
+    is_whole = _header_count(container, stream) in (0, len(pts) + hidden)
+    if len(ordered) != len(pts) or not is_whole or stream.time_base is None or not pts:
         return None
     return FrameIndex(
         pts=_frozen(ordered),
@@ -88,6 +94,14 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
         from_decoding=False,
         threaded=True,
     )
+
+
+def _header_count(container: InputContainer, stream: VideoStream) -> int:
+    """How many packets the header counts; 0 where it does not. Of a film that was cut it counts
+    those from the last key before the cut on."""
+    if "mov" in container.format.name.split(","):
+        return len(stream.index_entries)
+    return stream.frames
 
 
 def index_from_decoding(path: Path, threaded: bool = True) -> FrameIndex:
@@ -110,7 +124,7 @@ class _Seen:
     rate: Fraction
     threaded: bool
     size: tuple[int, int] | None = None  # of the first sound frame
-    packet_count: int = 0
+    shown_packets: int = 0
     packet_pts: set[int] = field(default_factory=set)
     pts: list[int | None] = field(default_factory=list)  # per frame; None also for a lost one
     is_key: list[bool] = field(default_factory=list)
@@ -123,7 +137,7 @@ class _Seen:
 
     @property
     def suspicious(self) -> bool:
-        return self.damaged or len(self.pts) < self.packet_count
+        return self.damaged or len(self.pts) < self.shown_packets
 
     @property
     def names_are_good(self) -> bool:
@@ -183,7 +197,7 @@ def _decode_through(path: Path, threaded: bool) -> _Seen:
         stream = picture_stream(path, container, threaded)
         seen = _Seen(stream.time_base, rate_of(stream), threaded)
         for packet in packets(path, container, stream):
-            seen.packet_count += 1
+            seen.shown_packets += not packet.is_discard
             if packet.pts is not None and not packet.is_discard:
                 seen.packet_pts.add(packet.pts)
             for frame in decode(stream, packet):

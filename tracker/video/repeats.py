@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import av
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +19,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.references import Repeats
 
 WIDTH_PX = 160
-"""Of the small grey pictures that are compared."""
+"""Of the small grey pictures that are compared, about."""
 MOST_CHANGE = 0.5
 """Mean grey levels by which a copy may differ from what it is a copy of: compression."""
 LEAST_CHANGE = 0.15
@@ -39,11 +40,27 @@ EVEN_RATIO = 1.4
 """The change after a copy, over the usual one, from which on a frame was lost for the copy."""
 
 
+PLANAR = {"yuv420p", "yuvj420p", "yuv422p", "yuvj422p", "yuv444p", "yuvj444p", "nv12", "gray"}
+"""Formats whose first plane is brightness, a byte a pixel."""
+FULL_RANGE, STUDIO_SPAN = 2, 255 / 219
+"""FFmpeg's name for brightness from 0 to 255; otherwise it spans 16 to 235."""
+
+
 def small_grey(frame: av.VideoFrame) -> NDArray[np.int16]:
     """Make the small picture (h, w) of a frame that frames are compared by."""
+    if frame.format.name in PLANAR:
+        plane = frame.planes[0]
+        every = max(1, plane.width // WIDTH_PX)
+        rows = np.frombuffer(memoryview(plane), np.uint8).reshape(plane.height, plane.line_size)
+        width, height = plane.width // every, plane.height // every
+        whole = rows[: height * every, : width * every]
+        small = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+        is_full = frame.format.name.startswith(("yuvj", "gray")) or frame.color_range == FULL_RANGE
+        stretched = small.astype(np.float32) * (1.0 if is_full else STUDIO_SPAN)
+        return np.asarray(np.rint(stretched), np.int16)
     height = max(2, round(WIDTH_PX * frame.height / frame.width))
-    small = frame.reformat(width=WIDTH_PX, height=height, format="gray", interpolation="AREA")
-    return small.to_ndarray().astype(np.int16)
+    made = frame.reformat(width=WIDTH_PX, height=height, format="gray", interpolation="AREA")
+    return made.to_ndarray().astype(np.int16)
 
 
 class Changes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -22,7 +23,7 @@ from hypothesis import strategies as st
 from keypose.tracker.errors import VideoError
 from keypose.tracker.video import MissingFrame, Video
 from keypose.tracker.video import decode as decode_module
-from keypose.tracker.video.index import index_from_packets
+from keypose.tracker.video.index import index_from_decoding, index_from_packets
 from keypose.tracker.video.video import PictureCache
 from tests.tracker.video_cases import (
     ask_for_turn,
@@ -31,6 +32,7 @@ from tests.tracker.video_cases import (
     number_in,
     numbered_picture,
     write_clip,
+    write_cut,
     write_image,
     write_numbered,
     write_sound,
@@ -394,6 +396,28 @@ def test_an_index_that_left_out_a_frame_is_made_again(
         assert [number_in(p) for _, p in video.frames(0, 19) if p is not None] == [*range(19)]
         assert video.info.frame_count == 20
         assert numbers(video, [19, 7]) == [19, 7]
+
+
+@pytest.mark.parametrize("cut", [1, 12, 13, 25])
+@pytest.mark.parametrize("codec", [{"bf": "3", "g": "12"}, LONG_GOP], ids=["keys", "one key"])
+def test_a_film_that_was_cut_on_a_phone_is_opened_without_decoding_and_begins_at_the_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cut: int, codec: dict[str, str]
+) -> None:
+    whole = write_numbered(tmp_path / "whole.mp4", 40, options=codec)
+    path = write_cut(tmp_path / "cut.mp4", whole, cut)
+    decoded = index_from_decoding(path)
+
+    def never(path: Path, threaded: bool = True) -> None:
+        raise AssertionError("decoded")
+
+    monkeypatch.setattr("keypose.tracker.video.decode.index_from_decoding", never)
+    order = [3, 0, 39 - cut, 7, 1, *np.random.default_rng(0).permutation(40 - cut).tolist()]
+    with Video.open(path, cache_bytes=0) as video:
+        np.testing.assert_array_equal(video.info.pts, decoded.pts)
+        assert video.info.frame_count == 40 - cut
+        assert [number - cut for number in numbers(video, order)] == order
+        deque(video.examine(0, 39 - cut), maxlen=0)
+        assert video.info.damaged == video.missing == ()
 
 
 def test_a_file_cut_short_gives_the_frames_it_still_holds(tmp_path: Path) -> None:
