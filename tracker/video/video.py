@@ -14,6 +14,7 @@ from keypose.tracker.errors import VideoError
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.video.damage import Examined
 from keypose.tracker.video.decode import FileSource, IndexMismatch
+from keypose.tracker.video.findings import KNOWN, FileKey, Findings, file_key
 from keypose.tracker.video.folder import FolderSource
 from keypose.tracker.video.info import MissingFrame, VideoInfo
 from keypose.tracker.video.picture import Picture, shrunk
@@ -71,15 +72,17 @@ class _Source(Protocol):
 class Video:
     """The frames of one video. May be used by several threads; they take turns."""
 
-    def __init__(self, source: _Source, cache_bytes: int = CACHE_BYTES) -> None:
+    def __init__(
+        self, source: _Source, cache_bytes: int = CACHE_BYTES, file: FileKey | None = None
+    ) -> None:
+        """file: by which others find what is found here."""
         self._source = source
         self._cache_bytes = cache_bytes
         self._cache = PictureCache(cache_bytes)
         self._lock = threading.RLock()
         self._closed = False
-        self._examined: set[int] = set()
-        self._damaged: set[int] = set()
-        self._changes: dict[int, float] = {}  # grey levels, from the frame before
+        self._found = Findings() if file is None else KNOWN.of(file)
+        self._file = file
         self._numbering = 0  # how often the frames were numbered anew
         # what the source says, and the same with the damaged frames
         self._with_damaged: tuple[VideoInfo, VideoInfo] | None = None
@@ -99,8 +102,10 @@ class Video:
             is_folder = path.is_dir()
         except OSError:
             is_folder = False  # opening it as a file will report what is wrong
-        source = FolderSource(path) if is_folder else FileSource(path, deinterlace)
-        return cls(source, cache_bytes)
+        if is_folder:
+            return cls(FolderSource(path), cache_bytes)
+        source = FileSource(path, deinterlace)
+        return cls(source, cache_bytes, file_key(path))
 
     def __enter__(self) -> Self:
         return self
@@ -119,11 +124,11 @@ class Video:
         frames differ from its packets is indexed anew, which may change everything.
         `damaged` grows with what is examined."""
         info = self._source.info
-        if not self._damaged:
+        if not self._found.damaged:
             return info
         known = self._with_damaged  # once: another thread may be examining
         if known is None or known[0] is not info:
-            damaged = tuple(sorted(self._damaged.difference(info.missing)))
+            damaged = tuple(sorted(self._found.damaged.difference(info.missing)))
             self._with_damaged = known = info, replace(info, damaged=damaged)
         return known[1]
 
@@ -172,9 +177,9 @@ class Video:
         examined.
         """
         for number, picture in self.frames(start, stop):
-            if number not in self._examined:
+            if number not in self._found.examined:
                 deque(self.examine(number, stop - 1), maxlen=0)
-            yield number, None if number in self._damaged else picture
+            yield number, None if number in self._found.damaged else picture
 
     def examine(self, first: int, last: int) -> Iterator[int]:
         """Find which of the frames first … last (both included) are damaged; `info` then says so.
@@ -186,26 +191,30 @@ class Video:
         """
         self._check(first)
         self._check(last)
-        while unknown := [n for n in self._numbers(first, last) if n not in self._examined]:
+        while unknown := sorted({*self._numbers(first, last)} - self._found.examined):
             numbering = self._numbering
             for found in self._source.examine(unknown[0], unknown[-1]):
                 with self._lock:
                     if numbering != self._numbering:
                         break
                     self._check(found.reached)
-                    self._examined.update(range(found.first, found.last + 1))
-                    self._changes.update(found.changes)
-                    if not found.damaged <= self._damaged:
-                        self._damaged = self._damaged | found.damaged
-                        self._with_damaged = None
+                    self._take(found)
                 yield found.reached
             else:
                 return
 
+    def _take(self, found: Examined) -> None:
+        if not found.damaged <= self._found.damaged:
+            self._with_damaged = None
+        self._found = self._found.and_also(found)
+        if self._file is not None:
+            KNOWN.keep(self._file, self._found)
+
     def repeats(self) -> Repeats:
         """Find the repeated frames among those examined so far."""
         with self._lock:
-            sound = {n: c for n, c in self._changes.items() if n not in self._damaged}
+            found = self._found
+            sound = {n: c for n, c in found.changes.items() if n not in found.damaged}
             return repeats_of(sound, self.info.frame_count)
 
     def _numbers(self, first: int, last: int) -> range:
@@ -257,8 +266,7 @@ class Video:
             self._cache.clear()
             # the numbers of frames may be others now
             self._numbering += 1
-            self._examined, self._damaged, self._with_damaged = set(), set(), None
-            self._changes = {}
+            self._found, self._file, self._with_damaged = Findings(), None, None
             return self._get(number, since, shrink)
         return self._cache.get((number, shrink))
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import av
 import pytest
@@ -14,6 +16,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 from keypose.tracker.video.consumption import Coding, is_misread
+from keypose.tracker.video.damage import Examined, examine
 from keypose.tracker.video.pyramid import IGNORED
 from keypose.tracker.video.vp9 import inner_tiles
 from tests.tracker.damage_cases import (
@@ -79,7 +82,9 @@ def test_no_frame_of_an_undamaged_film_is_damaged(tmp_path: Path, kind: FilmKind
     film = write_film(tmp_path, kind)
     with Video.open(film) as video:
         assert examined(video) == set()
-    with Video.open(film) as video:  # from the middle as well
+    copied = film.with_stem("copied")
+    copied.write_bytes(film.read_bytes())
+    with Video.open(copied) as video:  # from the middle as well
         last = video.info.frame_count - 1
         assert list(video.examine(last // 2, last))[-1] == last
         assert (video.info.damaged, video.info.missing) == ((), ())
@@ -92,6 +97,27 @@ def test_no_frame_is_damaged_because_it_shows_nothing(
 ) -> None:
     with Video.open(write_film(tmp_path, kind, 480, 144, FLAT[content])) as video:
         assert examined(video) == set()
+
+
+def test_what_is_damaged_is_found_once_for_all_who_open_a_film_until_it_is_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    film = write_numbered(tmp_path / "film.mp4", 30)
+    decoded: list[Path] = []
+
+    def counted(path: Path, *given: Any) -> Iterator[Examined]:
+        decoded.append(path)
+        return examine(path, *given)
+
+    monkeypatch.setattr("keypose.tracker.video.decode.examine", counted)
+    for expected in (1, 1, 1):
+        with Video.open(film) as video:
+            assert examined(video) == set()
+            assert len(decoded) == expected
+    write_numbered(film, 31)
+    with Video.open(film) as video:
+        assert examined(video) == set()
+    assert len(decoded) == 2
 
 
 @pytest.mark.parametrize("film", SAMPLES, ids=lambda path: path.stem)
