@@ -109,20 +109,6 @@ class Visibility(NamedTuple):
     tolerance: float
 
 
-class Views(NamedTuple):
-    """Which points of a body N frames showed when they were last looked at.
-
-    uv (N, P, 2, 2) float32: pixels of two points of each part then, NaN where nobody looked ·
-    chosen (N, ·) int32, starts (N, P + 1) int64: the followed points by part · shown (N,) int64:
-    how many points were seen.
-    """
-
-    uv: NDArray[np.float32]
-    chosen: NDArray[np.int32]
-    starts: NDArray[np.int64]
-    shown: NDArray[np.int64]
-
-
 class Prior(NamedTuple):
     """How a motion is held to its prediction.
 

@@ -24,7 +24,7 @@ from keypose.tracker.kernels.layout import Lens
 from keypose.tracker.kernels.noise import BINS, capped_square, robust_sigma
 from keypose.tracker.kernels.rigid import cleaned, product, put_pose, turned_back
 from keypose.tracker.kernels.robust import HUBER
-from keypose.tracker.kernels.seeing import look, pick, room, see
+from keypose.tracker.kernels.seeing import pick, room, see
 from keypose.tracker.kernels.sums import BLOCK, HUBER_WIDTH, count_inside, sum_points, sum_residuals
 
 FIRST_WIDTH = 20.0
@@ -177,16 +177,16 @@ def charged(score, shown, least, cap):
 
 @compiled
 def follow_pairs(
-    body, lens, visibility, prior, pictures, slots, R, t, of, inner, stop, views, R_next, t_next,
-    turned, shifted,
+    body, lens, visibility, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next, turned,
+    shifted,
 ):  # fmt: skip
     """One pass: from every pose of a segment, the motion to the next frame (DRIFT §2.3).
 
     R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) is where each
     frame lies in `pictures`. Every pair starts from the trajectory's own pose, which keeps frames
-    independent. views: `Views` of the n first frames, used and renewed. R_next (n, P, 3, 3), t_next
-    (n, 3) ← where frame j's motion leads; turned (n, P) and shifted (n,) ← its `doubts`. The mean
-    capped square of the trajectory's own residuals comes back.
+    independent. R_next (n, P, 3, 3), t_next (n, 3) ← where frame j's motion leads; turned (n, P)
+    and shifted (n,) ← its `doubts`. The mean capped square of the trajectory's own residuals comes
+    back.
     """
     height, width = pictures.shape[1], pictures.shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, visibility, width, height)
@@ -196,10 +196,8 @@ def follow_pairs(
     score = 0.0
     for j in range(R_next.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
-        shown = look(
-            body, HR, Ho, lens, visibility, pictures[slots[j]], of, views, j, uvz, seen, depth,
-            owner, chosen, grey, starts,
-        )  # fmt: skip
+        shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
+        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
         put_pose(R[j + 1], t[j + 1], R_next[j], t_next[j])
         x[:] = 0.0
         own = solve_pair(
@@ -259,7 +257,7 @@ def follow_chain(
 
 
 @compiled
-def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap, views):
+def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap):
     """Score of a trajectory: mean over its pairs of the mean min(r², cap²), grey levels squared.
 
     r is the difference of brightness between a point seen in frame j and where the trajectory
@@ -273,10 +271,8 @@ def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap, v
     score = 0.0
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
-        shown = look(
-            body, HR, Ho, lens, visibility, pictures[slots[j]], of, views, j, uvz, seen, depth,
-            owner, chosen, grey, starts,
-        )  # fmt: skip
+        shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
+        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
         points = sum_residuals(
             body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, histogram, rows

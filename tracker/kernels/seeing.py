@@ -11,8 +11,6 @@ import numpy as np
 from keypose.tracker.kernels import compiled
 
 f4 = np.float32
-LOOK_AGAIN_PX = 2.0
-"""About as far apart as surface points are."""
 # Unsigned indices: signed ones are checked for counting from the end.
 X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
@@ -138,74 +136,6 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
     for p in range(count):
         grey[p] = brightness(picture, uvz[chosen[p], 0] * k, uvz[chosen[p], 1] * k)
     return count
-
-
-@compiled
-def has_moved(body, HR, Ho, lens, before, uv):
-    """uv (P, 2, 2) ← where the first and last point of every part are.
-
-    Whether one of them has moved by more than LOOK_AGAIN_PX from where it was before, or was
-    nowhere, comes back.
-    """
-    moved = False
-    for i in range(body.parents.shape[0]):
-        if body.starts[i] == body.starts[i + 1]:
-            continue
-        for k in range(2):
-            q = body.starts[i] if k == 0 else body.starts[i + 1] - 1
-            u, v, _ = pixel_of(body, q, HR[i], Ho[i], lens)
-            du, dv = u - before[i, k, 0], v - before[i, k, 1]
-            moved = moved or not du * du + dv * dv <= LOOK_AGAIN_PX * LOOK_AGAIN_PX
-            uv[i, k, 0], uv[i, k, 1] = u, v
-    return moved
-
-
-@compiled
-def pixel_of(body, q, R, o, lens):
-    """Pixel u, v and z of one surface point of a part at R, o."""
-    a, b, c = body.points[q, 0], body.points[q, 1], body.points[q, 2]
-    x = R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + o[0]
-    y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + o[1]
-    z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + o[2]
-    s = 1 / z if lens.perspective == 1 else 1 / lens.distance
-    return f4(lens.fx * x * s + lens.cx), f4(lens.fy * y * s + lens.cy), f4(z)
-
-
-@compiled
-def look(
-    body, HR, Ho, lens, visibility, picture, of, views, j, uvz, seen, depth, owner, chosen, grey,
-    starts,
-):  # fmt: skip
-    """Choose the points of frame j to follow, as `pick` does: chosen, grey, starts. How many are
-    seen comes back.
-
-    Which are hidden is looked at anew where the body has moved since; where it has not, the points
-    that were chosen then are followed on.
-    """
-    height, width = picture.shape[0], picture.shape[1]
-    uv = np.empty(views.uv.shape[1:], np.float32)
-    if has_moved(body, HR, Ho, lens, views.uv[j], uv):
-        views.shown[j] = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
-        count = pick(body, uvz, seen, picture, 1.0, of, 1, chosen, grey, starts)
-        views.uv[j] = uv
-        views.starts[j] = starts
-        for p in range(count):
-            views.chosen[j, p] = chosen[p]
-        return views.shown[j]
-    count = 0
-    for i in range(body.parents.shape[0]):
-        starts[i] = count
-        for p in range(views.starts[j, i], views.starts[j, i + 1]):
-            q = views.chosen[j, p]
-            u, v, z = pixel_of(body, q, HR[i], Ho[i], lens)
-            if not (z > f4(0.05) and u >= 0 and v >= 0 and u < width - 1 and v < height - 1):
-                continue
-            if picture[int(v + f4(0.5)), int(u + f4(0.5)), 3] < body.least[i]:
-                continue
-            chosen[count], grey[count] = q, brightness(picture, u, v)
-            count += 1
-    starts[body.parents.shape[0]] = count
-    return views.shown[j]
 
 
 @compiled

@@ -51,8 +51,6 @@ keypoints have led, and leave the more to brightness."""
 MEETS = 0.004
 """Share of the body's extent, in the mean over its marks: from two starts the cycle has led to one
 motion where they lie no farther apart."""
-SETTLED = 0.002
-"""The same between two passes: no other follows one that moves less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,15 +206,12 @@ def cycle(
         following = steady.solve(present, measured.steps, Cauchy())
         if not is_sound(free, segment, following):
             break
-        moved = distance_px(free, present, following).mean() / extent
         present, what = following, "pass"
         led.append(present)
         if before is not None and (met := _meeting(free, present, before, extent)) is not None:
             tried.append(Pass(what, present, before.score))
             yield tried[-1]
             return replace(before, met=(*before.met, met))
-        if moved < SETTLED:
-            break
     measured = _measure(free, segment, method, present)
     tried.append(Pass(what, present, measured.score))
     yield tried[-1]
@@ -268,7 +263,7 @@ def _steadied(correction: Correction, present: Trajectory, weight: float) -> Cor
 def _measure(scene: Scene, segment: Segment, method: Keypose, present: Trajectory) -> Measured:
     """What the pictures say of a trajectory."""
     motions, score = robust_pass(
-        scene, segment.clip, present, method.stride, method.inner, method.stop, segment.looks
+        scene, segment.clip, present, method.stride, method.inner, method.stop
     )
     steps = measured_increments(scene, present, motions)
     return Measured(steps, drift_px(scene, present, motions), score)

@@ -119,9 +119,7 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
     present, what = first.trajectory, first.what
     drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
-        motions, score = robust_pass(
-            scene, clip, present, method.stride, method.inner, method.stop, segment.looks
-        )
+        motions, score = robust_pass(scene, clip, present, method.stride, method.inner, method.stop)
         drift = drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
@@ -131,9 +129,7 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
             break
         present, what, gap = following.trajectory, "pass", following.gap
     if present is not tried[-1].trajectory:
-        last_score = None
-        if method.judged:
-            last_score = capped_score(scene, clip, present, method.stride, segment.looks)
+        last_score = capped_score(scene, clip, present, method.stride) if method.judged else None
         tried.append(Pass(what, present, last_score))
         yield tried[-1]
     best = best_of(tried)
@@ -159,9 +155,8 @@ def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pas
     trajectory = refine(scene, segment.clip, start.trajectory, method.refinement, others)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
-    score = None
-    if method.judged:
-        score = capped_score(scene, segment.clip, trajectory, method.stride, segment.looks)
+    judged = method.judged
+    score = capped_score(scene, segment.clip, trajectory, method.stride) if judged else None
     return Pass("refinement", trajectory, score)
 
 

@@ -28,7 +28,6 @@ from keypose.tracker.kernels.pairs import (
 )
 from keypose.tracker.kernels.robust import LEAST_SQUARES
 from keypose.tracker.tracking.drift import Doubt, Motions
-from keypose.tracker.tracking.looks import Looks
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.video.pyramid import Clip, Picture
@@ -142,31 +141,24 @@ def _printed_sum(steps: list[MotionStep]) -> float:
 
 
 def robust_pass(
-    scene: Scene, clip: Clip, trajectory: Trajectory, stride: int, inner: int, stop: float,
-    looks: Looks | None = None,
-) -> tuple[Motions, float]:  # fmt: skip
-    """Our pass: motions from every pose, and the trajectory's capped score (grey levels²).
-
-    looks: of other passes over this segment.
-    """
+    scene: Scene, clip: Clip, trajectory: Trajectory, stride: int, inner: int, stop: float
+) -> tuple[Motions, float]:
+    """Our pass: motions from every pose, and the trajectory's capped score (grey levels²)."""
     n, parts = len(trajectory) - 1, scene.skeleton.part_count
     R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.equal(n, parts)
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
     score = follow_pairs(
         scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels[0], slots,
-        *trajectory.writable(), stride, inner, stop,
-        (looks or Looks()).over(scene, trajectory, stride), R, t,
+        *trajectory.writable(), stride, inner, stop, R, t,
         doubt.turned, doubt.shifted,
     )  # fmt: skip
     return Motions(R, t, doubt), float(score)
 
 
-def capped_score(
-    scene: Scene, clip: Clip, trajectory: Trajectory, stride: int, looks: Looks | None = None
-) -> float:
+def capped_score(scene: Scene, clip: Clip, trajectory: Trajectory, stride: int) -> float:
     """DRIFT (4), per point and capped, of one surface point in every `stride`: grey levels²."""
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
-    return _capped(scene, clip, slots, trajectory, stride, looks or Looks())
+    return _capped(scene, clip, slots, trajectory, stride)
 
 
 def best_of(tried: Sequence[Pass]) -> int:
@@ -191,17 +183,16 @@ def keyframe_difference(scene: Scene, segment: Segment, stride: int) -> float:
             np.stack([ends[a].Rs_parent_part, ends[b].Rs_parent_part]),
             np.stack([ends[a].p_camera_root, ends[b].p_camera_root]),
         )
-        total += 0.5 * _capped(scene, segment.clip, slots, jump, stride, Looks())
+        total += 0.5 * _capped(scene, segment.clip, slots, jump, stride)
     return total
 
 
 def _capped(
-    scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, stride: int,
-    looks: Looks,
-) -> float:  # fmt: skip
+    scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, stride: int
+) -> float:
     return float(
         mean_capped_square(
             scene.arrays, scene.lens, scene.visibility, clip.levels[0], slots,
-            *trajectory.writable(), stride, CAP, looks.over(scene, trajectory, stride),
+            *trajectory.writable(), stride, CAP,
         )
     )  # fmt: skip

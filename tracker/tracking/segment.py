@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Trajectory, interpolate
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.tracking.looks import Looks
 
 if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
@@ -29,7 +28,6 @@ class Segment:
         counts where the film shows nothing; None without one.
     to_posed_s: (N, P) seconds to the nearest of its keyframes, and of those of limbs within, at
         which a person posed a part; infinite without one. None where nobody knows.
-    looks: which points its frames showed when it was last looked.
     """
 
     first_frame: int
@@ -40,7 +38,6 @@ class Segment:
     imported: Trajectory | None = None
     own: Trajectory | None = None
     to_posed_s: Array | None = None
-    looks: Looks = field(default_factory=Looks)
 
     @property
     def damaged(self) -> frozenset[int]:

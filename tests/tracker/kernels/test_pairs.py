@@ -22,7 +22,6 @@ from keypose.tracker.kernels.pairs import (
     shortened,
     solve_pair,
 )
-from keypose.tracker.tracking.looks import Looks
 from keypose.tracker.tracking.scene import Scene
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
@@ -116,7 +115,7 @@ def test_the_score_of_a_trajectory_is_the_twins(camera: Camera, of: int) -> None
     shown = pictures(6, seed=2)
     found = mean_capped_square(
         scene.arrays, scene.lens, scene.visibility, shown, np.arange(1, 5), path.Rs_parent_part,
-        path.ps_camera_root, of, 15.0, Looks().over(scene, path, of),
+        path.ps_camera_root, of, 15.0,
     )  # fmt: skip
     scores = []
     for j in range(3):
@@ -139,17 +138,11 @@ def test_every_pair_of_a_pass_is_solved_from_the_trajectory_alone() -> None:
     def motions(first: int, last: int) -> tuple[Floats, Floats]:
         R, t = np.empty((last - first, 5, 3, 3)), np.empty((last - first, 3))
         turned, shifted = np.empty((last - first, 5)), np.empty(last - first)
-        views = Looks().over(
-            scene,
-            Trajectory(
-                first, path.Rs_parent_part[first : last + 1], path.ps_camera_root[first : last + 1]
-            ),
-            4,
-        )
         follow_pairs(
             scene.arrays, scene.lens, scene.visibility, scene.prior(4), shown,
             np.arange(first, last + 1), path.Rs_parent_part[first : last + 1],
-            path.ps_camera_root[first : last + 1], 4, 5, 1e-3, views, R, t, turned, shifted,
+            path.ps_camera_root[first : last + 1], 4, 5, 1e-3, R, t, turned,
+            shifted,
         )  # fmt: skip
         return R, t
 
@@ -230,6 +223,6 @@ def test_a_trajectory_of_wild_numbers_harms_nothing_but_itself() -> None:
     wild = Trajectory(0, path.Rs_parent_part, ps)
     found = mean_capped_square(
         scene.arrays, scene.lens, scene.visibility, pictures(4, 5), np.arange(4),
-        wild.Rs_parent_part, wild.ps_camera_root, 4, 15.0, Looks().over(scene, wild, 4),
+        wild.Rs_parent_part, wild.ps_camera_root, 4, 15.0,
     )  # fmt: skip
     assert np.isfinite(found)

@@ -94,12 +94,7 @@ def _rank(
     """The ways by their scores, one asked for by name before all others."""
     if len(ways) > 1:
         ways = [
-            replace(
-                way,
-                score=capped_score(
-                    scene, segment.clip, way.trajectory, method.stride, segment.looks
-                ),
-            )
+            replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
             for way in ways
         ]
     ways = sorted(ways, key=lambda way: (way.what != method.initial, way.score))

@@ -209,10 +209,7 @@ def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
     both = Pass("both ways", _limb_of(blend_chains(scene, *chains), segment), None)
     ways = [both, closed]
     scored = [
-        replace(
-            way,
-            score=capped_score(scene, segment.clip, way.trajectory, method.stride, segment.looks),
-        )
+        replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
         for way in ways
     ]
     scored.sort(key=lambda way: way.score_or_nan)
@@ -235,7 +232,7 @@ def _only(scene: Scene, parts: tuple[int, ...]) -> Scene:
 def _score(segment: Segment, method: Keypose, seen: Evidence, motion: Trajectory) -> float | None:
     if not method.judged:
         return None
-    return capped_score(seen.scene, segment.clip, motion, method.stride, segment.looks)
+    return capped_score(seen.scene, segment.clip, motion, method.stride)
 
 
 def pieces_rows(pieces: Sequence[Trajectory]) -> list[slice]:
