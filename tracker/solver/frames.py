@@ -38,9 +38,8 @@ class LinkIn(Link):
     def cost(self, motion: Trajectory) -> float:
         return self.link.cost(motion.carried(self.Ts))
 
-    @property
-    def reach(self) -> int:
-        return self.link.reach
+    def width(self, dofs: int) -> int:
+        return self.link.width(dofs)
 
     def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
         self.link.add_to(motion.carried(self.Ts), unknown, rows, b)

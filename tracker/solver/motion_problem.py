@@ -128,8 +128,8 @@ class MotionPoint:
             border[own.frames, :, own.unknown] += J @ own.K
             corner[np.ix_(own.unknown, own.unknown)] += (K @ own.K).sum(axis=0)
             gradient[own.unknown] += (K @ r)[..., 0].sum(axis=0)
-        width = 1 + max((link.reach for link in problem.links), default=0)
-        rows, pull = np.zeros((count * dofs, width * dofs)), b.ravel()
+        width = max((link.width(dofs) for link in problem.links), default=0)
+        rows, pull = np.zeros((count * dofs, max(width, dofs))), b.ravel()
         add_blocks(A, 0, rows)
         for link in problem.links:
             link.add_to(self.state.motion, problem.unknown, rows, pull)

@@ -36,9 +36,9 @@ class _Differences(ABC):
     def of(self, motion: Trajectory) -> Array:
         """(m, D) the differences of a motion."""
 
-    @property
-    def reach(self) -> int:
-        return len(self.stencil) - 1
+    def width(self, dofs: int) -> int:
+        """Each degree of freedom is coupled with its own of other frames alone."""
+        return 1 + (len(self.stencil) - 1) * dofs
 
     def cost(self, motion: Trajectory) -> float:
         return float(link_cost(self.of(motion), *self._wanted))

@@ -151,19 +151,18 @@ class Differences:
     def of(self, motion: Trajectory) -> Array:
         """(N − d, K, 3) m/s^d"""
         places = self.points.at(motion.transforms(self.skeleton))
-        return np.asarray(np.diff(places, self.reach, axis=0) * self._per_s)
+        return np.asarray(np.diff(places, self._order, axis=0) * self._per_s)
 
     def cost(self, motion: Trajectory) -> float:
         away = self.of(motion) - self.wanted
         return 0.5 * float(((away / self.sigma[..., None]) ** 2).sum())
 
-    @property
-    def reach(self) -> int:
-        return len(self.stencil) - 1
+    def width(self, dofs: int) -> int:
+        return len(self.stencil) * dofs
 
     def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
         J, widest = self._rows(motion), self._widest
-        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - self.reach, 0)
+        count, dofs, m = len(motion), J.shape[-1], max(len(motion) - self._order, 0)
         by_point = np.broadcast_to((widest / self.sigma) ** 2, (m, len(widest)))
         weights = np.repeat(by_point, 3, axis=1)
         away = self.of(motion) - self.wanted
@@ -178,8 +177,12 @@ class Differences:
             add_blocks(np.ascontiguousarray(blocks[start : stop - off]), off, rows)
 
     @property
+    def _order(self) -> int:
+        return len(self.stencil) - 1
+
+    @property
     def _per_s(self) -> float:
-        return self.frames_per_second**self.reach
+        return self.frames_per_second**self._order
 
     @property
     def _widest(self) -> Array:

@@ -106,9 +106,8 @@ class Link(Protocol):
     def cost(self, motion: Trajectory) -> float:
         """Half the sum of squares, robust ones by their kernel."""
 
-    @property
-    def reach(self) -> int:
-        """With so many frames after it a frame is linked."""
+    def width(self, dofs: int) -> int:
+        """So many columns its rows have, the diagonal the first, where D = dofs."""
 
     def add_to(self, motion: Trajectory, unknown: slice, rows: Array, b: Array) -> None:
         """rows (u D, w) of a symmetric matrix from its diagonal on, b (u D,) of the u unknown poses

@@ -178,7 +178,7 @@ def test_links_are_compared_as_by_the_twin(
     expected = plain.link_rows(link, link.of(at))
     chosen = np.arange(5 * skeleton.dof_count).reshape(5, -1)[unknown].ravel()
     J = expected.J[:, chosen]
-    rows = np.zeros((len(chosen), (1 + link.reach) * skeleton.dof_count))
+    rows = np.zeros((len(chosen), link.width(skeleton.dof_count)))
     b = np.zeros(len(chosen))
     link.add_to(at, unknown, rows, b)
     np.testing.assert_allclose(dense(rows), J.T @ J, atol=1e-9)

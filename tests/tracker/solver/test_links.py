@@ -69,7 +69,7 @@ def posed(at: Trajectory) -> Posed:
 def equations(link: Link, at: Trajectory, unknown: slice = EVERY) -> tuple[Floats, Floats]:
     """Rows (u D, w) of the unknown poses, and their gradient (u, D)."""
     count = len(range(*unknown.indices(len(at))))
-    rows = np.zeros((count * DOFS, (1 + link.reach) * DOFS))
+    rows = np.zeros((count * DOFS, link.width(DOFS)))
     b = np.zeros(count * DOFS)
     link.add_to(at, unknown, rows, b)
     return rows, b.reshape(count, DOFS)
