@@ -226,7 +226,8 @@ _THIS = sys.modules[__name__]
 SWITCHES = (
     Switch("bit readers", ("film",), ((damage, "is_misread", lambda *_: False),)),
     Switch("doubt of shoulders", ("draft",), ((first_poses, "SHOULDER_DOUBT", first_poses.DOUBT),)),
-    Switch("drift_scale", BETWEEN, ((anchored_cycle, "drift_scale", lambda *_: 1.0),)),
+    Switch("drift scale", BETWEEN, ((anchored_cycle, "increment_scale", lambda *_: 1.0),)),
+    Switch("meeting of starts", BETWEEN, ((anchored_cycle, "MEETS", 0.0),)),
     Switch("steady", BETWEEN, ((anchored_cycle, "_steadied", lambda c, *_: c),)),
     Switch("crossings", ("draft",), ((_THIS, "_changes", lambda *_: ()),)),
     Switch("third motion", BETWEEN, ((anchored_cycle, "_is_misled", lambda *_: False),)),

@@ -195,23 +195,12 @@ def cycle(
     compare with.
     """
     free, segment = correction.scene, correction.segment
-    present, what = start.trajectory, start.what
-    extent, led = extent_px(free, present), []
-    for turn in range(method.passes):
-        measured = known or _measure(free, segment, method, present)
-        known = None
-        tried.append(Pass(what, present, measured.score))
+    led, met = yield from _passes(correction, method, start, tried, known, before)
+    present, what = (led[-1], "pass") if led else (start.trajectory, start.what)
+    if before is not None and met is not None:
+        tried.append(Pass(what, present, None))
         yield tried[-1]
-        steady = _steadied(correction, present, IN_PASSES) if turn else correction
-        following = steady.solve(present, measured.steps, Cauchy())
-        if not is_sound(free, segment, following):
-            break
-        present, what = following, "pass"
-        led.append(present)
-        if before is not None and (met := _meeting(free, present, before, extent)) is not None:
-            tried.append(Pass(what, present, before.score))
-            yield tried[-1]
-            return replace(before, met=(*before.met, met))
+        return replace(before, met=(*before.met, met))
     measured = _measure(free, segment, method, present)
     tried.append(Pass(what, present, measured.score))
     yield tried[-1]
@@ -226,14 +215,38 @@ def cycle(
         tried.append(Pass("refinement", present, measured.score))
         yield tried[-1]
     ended = _ended(correction, present, measured, len(tried) - 1)
-    return replace(ended, led=tuple(led))
+    return replace(ended, led=led)
 
 
-def _meeting(free: Scene, present: Trajectory, before: Candidate, extent: float) -> Meeting | None:
+def _passes(
+    correction: Correction, method: Keypose, start: Pass, tried: list[Pass],
+    known: Measured | None, before: Candidate | None,
+) -> Generator[Pass, None, tuple[tuple[Trajectory, ...], Meeting | None]]:  # fmt: skip
+    """Where the passes lead one after another, the start not counted, until they meet another
+    start's or lead out of sight; and where they meet."""
+    free, segment = correction.scene, correction.segment
+    present, what, led = start.trajectory, start.what, list[Trajectory]()
+    for turn in range(method.passes):
+        first = known if turn == 0 else None
+        measured = first or _measure(free, segment, method, present)
+        tried.append(Pass(what, present, measured.score))
+        yield tried[-1]
+        steady = _steadied(correction, present, IN_PASSES) if turn else correction
+        following = steady.solve(present, measured.steps, Cauchy())
+        if not is_sound(free, segment, following):
+            break
+        present, what = following, "pass"
+        led.append(present)
+        if before is not None and (met := _meeting(free, present, before)) is not None:
+            return tuple(led), met
+    return tuple(led), None
+
+
+def _meeting(free: Scene, present: Trajectory, before: Candidate) -> Meeting | None:
     """Where a trajectory meets one of those from another start; None where it meets none."""
     away = [distance_px(free, present, there).mean() for there in before.led]
     nearest = int(np.argmin(away)) if away else 0
-    if not away or not away[nearest] < MEETS * extent:
+    if not away or not away[nearest] < MEETS * extent_px(free, present):
         return None
     return Meeting(present, before.led[nearest])
 
