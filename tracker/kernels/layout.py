@@ -86,7 +86,11 @@ class JointRanges(NamedTuple):
 
 
 class Lens(NamedTuple):
-    """A pinhole without distortion. With `perspective` 0 every point is divided by `distance`."""
+    """A pinhole without distortion. With `perspective` 0 every point is divided by `distance`.
+
+    left, top: the pixel of the whole picture at which the arrays of its window begin; the lens's
+    own pixels are those of the whole picture. What lies beyond the window is beyond the picture.
+    """
 
     fx: float
     fy: float
@@ -94,6 +98,8 @@ class Lens(NamedTuple):
     cy: float
     perspective: int
     distance: float
+    left: int = 0
+    top: int = 0
 
 
 class Visibility(NamedTuple):

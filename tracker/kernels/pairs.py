@@ -40,7 +40,7 @@ def scaled_lens(lens, scale):
     """The lens of a pyramid level: pixel centres stay at integers."""
     return Lens(
         lens.fx * scale, lens.fy * scale, lens.cx * scale, lens.cy * scale,
-        lens.perspective, lens.distance,
+        lens.perspective, lens.distance, int(lens.left * scale), int(lens.top * scale),
     )  # fmt: skip
 
 
@@ -197,7 +197,7 @@ def follow_pairs(
     for j in range(R_next.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
         shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
-        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
+        pick(body, uvz, seen, pictures[slots[j]], lens, 1.0, of, 1, chosen, grey, starts)
         put_pose(R[j + 1], t[j + 1], R_next[j], t_next[j])
         x[:] = 0.0
         own = solve_pair(
@@ -248,10 +248,13 @@ def follow_chain(
             every = 4 if level >= 2 else 1
             kept = max(1, of // 2) if level >= 2 else of
             pictures = levels[level]
-            pick(body, uvz, seen, pictures[slots[j]], scale, kept, every, chosen, grey, starts)
+            here = scaled_lens(lens, scale)
+            pick(
+                body, uvz, seen, pictures[slots[j]], here, scale, kept, every, chosen, grey, starts
+            )
             solve_pair(
                 body, chosen, grey, starts, R[j + 1], t[j + 1], x, pictures[slots[j + 1]],
-                scaled_lens(lens, scale), prior, inner, stop, A,
+                here, prior, inner, stop, A,
             )  # fmt: skip
         shifted[j] = doubts(body, prior.precision, A, turned[j])
 
@@ -272,7 +275,7 @@ def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap):
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         shown = see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
-        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
+        pick(body, uvz, seen, pictures[slots[j]], lens, 1.0, of, 1, chosen, grey, starts)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
         points = sum_residuals(
             body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, histogram, rows
@@ -301,7 +304,7 @@ def observe_pairs(
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
-        pick(body, uvz, seen, pictures[slots[j]], 1.0, 1, 1, chosen, grey, starts)
+        pick(body, uvz, seen, pictures[slots[j]], lens, 1.0, 1, 1, chosen, grey, starts)
         points = linearise(
             body, chosen, grey, starts, R[j + 1], t[j + 1], pictures[slots[j + 1]], lens,
             HUBER, FIRST_WIDTH, N, histogram, A[j], b,
@@ -325,4 +328,4 @@ def view(body, lens, visibility, width, height, picture, of, R, t, chosen, grey,
     HR, Ho, uvz, seen, depth, owner = room(body, visibility, width, height)[:6]
     place_parts(body, R, t, HR, Ho)
     see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
-    return pick(body, uvz, seen, picture, 1.0, of, 1, chosen, grey, starts)
+    return pick(body, uvz, seen, picture, lens, 1.0, of, 1, chosen, grey, starts)

@@ -28,6 +28,9 @@ def nearest_parts(body, HR, Ho, lens, visibility, width, height, uvz, seen, dept
     flat = f4(1) / f4(lens.distance)
     least = f4(visibility.facing) * f4(visibility.facing)
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
+    left, top = f4(lens.left), f4(lens.top)
+    right, bottom = f4(lens.left + width - 1), f4(lens.top + height - 1)
+    first_column, first_row = first_cell(lens, visibility)
     eye, near = np.empty(3, np.float32), f4(lens.perspective)
     for i in range(body.parents.shape[0]):
         R, o = HR[i].astype(np.float32), Ho[i].astype(np.float32)
@@ -46,15 +49,22 @@ def nearest_parts(body, HR, Ho, lens, visibility, width, height, uvz, seen, dept
             y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + o[1]
             scale = f4(1) / z if lens.perspective == 1 else flat
             u, v = fx * x * scale + cx, fy * y * scale + cy
-            if not (u >= 0 and v >= 0 and u < width - 1 and v < height - 1):
+            if not (u >= left and v >= top and u < right and v < bottom):
                 continue
-            column, row = np.uint64((u + f4(0.5)) * per_cell), np.uint64((v + f4(0.5)) * per_cell)
+            column = np.uint64((u + f4(0.5)) * per_cell) - first_column
+            row = np.uint64((v + f4(0.5)) * per_cell) - first_row
             if z < depth[row, column]:
                 depth[row, column] = z
                 owner[row, column] = i
             if toward * toward >= least * (sa * sa + sb * sb + sc * sc):
                 uvz[q, X], uvz[q, Y], uvz[q, Z] = u, v, z
                 seen[q] = 1
+
+
+@compiled
+def first_cell(lens, visibility):
+    """Column and row of the occlusion buffer's first cell, counted from the whole picture's."""
+    return np.uint64(lens.left // visibility.cell), np.uint64(lens.top // visibility.cell)
 
 
 @compiled
@@ -72,13 +82,14 @@ def see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner):
     """`nearest_parts`, then seen ← 0 where another part covers a point; the number still seen."""
     nearest_parts(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
     per_cell, tolerance = f4(1) / f4(visibility.cell), f4(visibility.tolerance)
+    first_column, first_row = first_cell(lens, visibility)
     count = 0
     for i in range(body.parents.shape[0]):
         for q in range(np.uint64(body.starts[i]), np.uint64(body.starts[i + 1])):
             if seen[q] == 0:
                 continue
-            column = np.uint64((uvz[q, X] + f4(0.5)) * per_cell)
-            row = np.uint64((uvz[q, Y] + f4(0.5)) * per_cell)
+            column = np.uint64((uvz[q, X] + f4(0.5)) * per_cell) - first_column
+            row = np.uint64((uvz[q, Y] + f4(0.5)) * per_cell) - first_row
             if owner[row, column] != i and uvz[q, Z] > depth[row, column] + tolerance:
                 seen[q] = 0
             else:
@@ -101,14 +112,15 @@ def room(body, visibility, width, height):
 
 
 @compiled
-def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
+def pick(body, uvz, seen, picture, lens, scale, of, every, chosen, grey, starts):
     """Choose which seen points to follow, with their brightness in the source picture.
 
     Of every `of` neighbours (after taking each `every`-th point) the one with the largest gradient
     is kept; points on pixels that may not be a source (channel 3 below `least`) are left out. Fills
-    chosen (S,) int32, grey (S,) float32, starts (P + 1,) by part; `scale` is the pyramid level's.
+    chosen (S,) int32, grey (S,) float32, starts (P + 1,) by part; `lens` and `scale` are the
+    pyramid level's.
     """
-    height, width = picture.shape[0], picture.shape[1]
+    right, bottom = lens.left + picture.shape[1] - 1, lens.top + picture.shape[0] - 1
     k, half = f4(scale), f4(0.5)
     count = 0
     for i in range(body.parents.shape[0]):
@@ -117,12 +129,13 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
         for q in range(np.uint64(body.starts[i]), np.uint64(body.starts[i + 1]), np.uint64(every)):
             if seen[q] == 0:
                 continue
-            column, row = np.uint64(uvz[q, X] * k + half), np.uint64(uvz[q, Y] * k + half)
-            if column + 1 >= width or row + 1 >= height:
+            column, row = np.int64(uvz[q, X] * k + half), np.int64(uvz[q, Y] * k + half)
+            if column < lens.left or row < lens.top or column >= right or row >= bottom:
                 continue
-            if picture[row, column, USE] < body.least[i]:
+            across, down = np.uint64(column - lens.left), np.uint64(row - lens.top)
+            if picture[down, across, USE] < body.least[i]:
                 continue
-            gx, gy = picture[row, column, Y], picture[row, column, Z]
+            gx, gy = picture[down, across, Y], picture[down, across, Z]
             if group == 0 or gx * gx + gy * gy > best:
                 best = gx * gx + gy * gy
                 chosen[count] = q
@@ -134,15 +147,17 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
             count += 1
     starts[body.parents.shape[0]] = count
     for p in range(count):
-        grey[p] = brightness(picture, uvz[chosen[p], 0] * k, uvz[chosen[p], 1] * k)
+        grey[p] = brightness(picture, lens, uvz[chosen[p], 0] * k, uvz[chosen[p], 1] * k)
     return count
 
 
 @compiled
-def brightness(picture, u, v):
+def brightness(picture, lens, u, v):
     """Brightness between four pixels; u, v must leave room for the pixel right and below."""
-    column, row = min(int(u), picture.shape[1] - 2), min(int(v), picture.shape[0] - 2)
+    column = max(min(int(u), lens.left + picture.shape[1] - 2), lens.left)
+    row = max(min(int(v), lens.top + picture.shape[0] - 2), lens.top)
     fu, fv = u - f4(column), v - f4(row)
-    upper = picture[row, column, 0] * (f4(1) - fu) + picture[row, column + 1, 0] * fu
-    lower = picture[row + 1, column, 0] * (f4(1) - fu) + picture[row + 1, column + 1, 0] * fu
+    x, y = column - lens.left, row - lens.top
+    upper = picture[y, x, 0] * (f4(1) - fu) + picture[y, x + 1, 0] * fu
+    lower = picture[y + 1, x, 0] * (f4(1) - fu) + picture[y + 1, x + 1, 0] * fu
     return upper * (f4(1) - fv) + lower * fv

@@ -23,19 +23,21 @@ GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
 
 
 @compiled
-def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen, rows, taps):
-    """Gather where points first … last of one part fall in the picture, for `make_rows`.
+def gather(body, chosen, grey, begin, last, R, o, picture, lens, seen, need_seen, rows, taps):
+    """Gather where points begin … last of one part fall in the picture, for `make_rows`.
 
     How many do, and how many leave the picture. Ignored pixels are neither.
     """
     height, width = picture.shape[0], picture.shape[1]
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
     flat = f4(1) / f4(lens.distance)
-    right, bottom = f4(width - 1), f4(height - 1)
+    left, top = f4(lens.left), f4(lens.top)
+    right, bottom = f4(lens.left + width - 1), f4(lens.top + height - 1)
+    first = np.uint64(lens.top * width + lens.left)
     flatly = lens.perspective == 0
     pixels = picture.reshape(height * width, 4)
     count = lost = 0
-    for p in range(np.uint64(first), np.uint64(last)):
+    for p in range(np.uint64(begin), np.uint64(last)):
         q = np.uint64(chosen[p])
         if need_seen and seen[q] == 0:
             continue
@@ -45,14 +47,14 @@ def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen
         z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * d + o[2]
         s = flat if flatly else f4(1) / z
         u, v = fx * x * s + cx, fy * y * s + cy
-        if not (u >= 0 and v >= 0 and u < right and v < bottom and z > f4(0.05)):
+        if not (u >= left and v >= top and u < right and v < bottom and z > f4(0.05)):
             lost += 1
             continue
         column, row = np.uint64(u), np.uint64(v)
         fu, fv = u - f4(column), v - f4(row)
         w00, w10 = (f4(1) - fu) * (f4(1) - fv), fu * (f4(1) - fv)
         w01, w11 = (f4(1) - fu) * fv, fu * fv
-        k00 = row * np.uint64(width) + column
+        k00 = row * np.uint64(width) + column - first
         k10, k01 = k00 + np.uint64(1), k00 + np.uint64(width)
         k11 = k01 + np.uint64(1)
         k = np.uint64(count)

@@ -27,7 +27,8 @@ from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, FIRST_GREY_OF_SEGMENT
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.terms import Equations, Term
 from keypose.tracker.tracking.scene import Scene
-from keypose.tracker.video.pyramid import Clip, Picture
+from keypose.tracker.tracking.windows import show, show_posed
+from keypose.tracker.video.pyramid import Clip
 
 if TYPE_CHECKING:
     from keypose.tracker.tracking.method import Refinement
@@ -60,12 +61,13 @@ def refine(
 class Textures(Term):
     """The n inner poses of a segment beside the textures of both keyframes, for one descent.
 
-    slots (n,): of their pictures.  chosen, grey, starts: the followed points of both keyframes,
-    stacked on a first axis of two.  seen (n, S) and sigma (2, n) are updated with every solve.
+    slots (n,): of their pictures in the clip.  chosen, grey, starts: the followed points of both
+    keyframes, stacked on a first axis of two.  seen (n, S) and sigma (2, n) are updated with every
+    solve.
     """
 
     scene: Scene
-    pictures: Picture
+    clip: Clip
     slots: NDArray[np.int64]
     chosen: NDArray[np.int32]
     grey: NDArray[np.float32]
@@ -78,7 +80,8 @@ class Textures(Term):
     @classmethod
     def of(cls, scene: Scene, clip: Clip, start: Trajectory, stride: int) -> Textures:
         """What the first and the last frame show of the body at the start."""
-        frames, pictures = len(start), clip.levels[0]
+        frames, shown = len(start), show(scene, clip, start)
+        pictures, lens = shown.levels[0], shown.seen_by(scene.lens)
         slots = clip.slots(start.first_frame, start.last_frame)
         size, (height, width) = len(scene.points.points), pictures.shape[1:3]
         chosen, grey = np.zeros((2, size + 1), np.int32), np.zeros((2, size + 1), np.float32)
@@ -86,11 +89,11 @@ class Textures(Term):
         R, t = start.writable()
         for k in (0, -1):
             view(
-                scene.arrays, scene.lens, scene.visibility, width, height, pictures[slots[k]],
+                scene.arrays, lens, scene.visibility, width, height, pictures[slots[k]],
                 stride, R[k], t[k], chosen[k], grey[k], starts[k],
             )  # fmt: skip
         return cls(
-            scene, pictures, slots[1:-1], chosen, grey, starts, scene.information(stride),
+            scene, clip, slots[1:-1], chosen, grey, starts, scene.information(stride),
             np.zeros((frames - 2, size), np.uint8), np.full((2, frames - 2), FIRST_GREY_OF_SEGMENT),
         )  # fmt: skip
 
@@ -100,13 +103,15 @@ class Textures(Term):
 
     def equations(self, posed: Posed) -> Equations:
         scene, R, t = self.scene, posed.Rs_parent_part.copy(), posed.p_camera_root.copy()
+        shown = show_posed(scene, self.clip, posed.Ts_camera_part)
+        pictures, lens = shown.levels[0], shown.seen_by(scene.lens)
         if next(self.solves) % LOOK_AGAIN == 0:
-            height, width = self.pictures.shape[1:3]
-            see_all(scene.arrays, scene.lens, scene.visibility, width, height, R, t, self.seen)
+            height, width = pictures.shape[1:3]
+            see_all(scene.arrays, lens, scene.visibility, width, height, R, t, self.seen)
         dofs = scene.skeleton.dof_count
         A, b = np.empty((len(t), dofs, dofs)), np.empty((len(t), dofs))
         compare_textures(
-            scene.arrays, scene.lens, self.pictures, self.slots, R, t, self.chosen, self.grey,
+            scene.arrays, lens, pictures, self.slots, R, t, self.chosen, self.grey,
             self.starts, self.seen, self.information, self.sigma, A, b,
         )  # fmt: skip
         return Equations(A, b, np.nan)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.chain import move
+from keypose.tracker.kernels.layout import Lens
 from keypose.tracker.kernels.noise import BINS, LOST
 from keypose.tracker.kernels.pairs import (
     CAP,
@@ -30,7 +31,8 @@ from keypose.tracker.kernels.robust import LEAST_SQUARES
 from keypose.tracker.tracking.drift import Doubt, Motions
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.video.pyramid import Clip, Picture
+from keypose.tracker.tracking.windows import Poses, follow_within, show
+from keypose.tracker.video.pyramid import Clip, Picture, Prepared
 
 SINGULAR_CUT = 0.02
 """Singular values below this share of the largest count as zero (the paper leaves it open)."""
@@ -73,15 +75,20 @@ def solve_with_cut(A: Array, b: Array, scale: Array) -> tuple[Array, Array]:
 
 
 def least_squares_step(
-    scene: Scene, source: Picture, target: Picture, before: Trajectory, j: int, inner: int
-) -> MotionStep:
-    """The motion from pose j of a trajectory to the next frame, started at pose j + 1."""
+    scene: Scene, source: Picture, target: Picture, before: Trajectory, j: int, inner: int,
+    lens: Lens | None = None,
+) -> MotionStep:  # fmt: skip
+    """The motion from pose j of a trajectory to the next frame, started at pose j + 1.
+
+    lens: that of the pictures' window; the scene's where they are whole.
+    """
+    lens = lens or scene.lens
     size, dofs = len(scene.points.points), scene.skeleton.dof_count
     chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
     starts = np.empty(scene.skeleton.part_count + 1, np.int64)
     height, width = source.shape[:2]
     view(
-        scene.arrays, scene.lens, scene.visibility, width, height, source, 1,
+        scene.arrays, lens, scene.visibility, width, height, source, 1,
         *before.pose(before.first_frame + j).writable(), chosen, grey, starts,
     )  # fmt: skip
     R, t = before.pose(before.first_frame + j + 1).writable()
@@ -90,7 +97,7 @@ def least_squares_step(
     squares = 0.0
     for k in range(inner):
         linearise(
-            scene.arrays, chosen, grey, starts, R, t, target, scene.lens, LEAST_SQUARES, 1.0,
+            scene.arrays, chosen, grey, starts, R, t, target, lens, LEAST_SQUARES, 1.0,
             N, histogram, A, b,
         )  # fmt: skip
         if k == 0:
@@ -110,28 +117,35 @@ def least_squares_pass(
     scene: Scene, clip: Clip, trajectory: Trajectory, inner: int
 ) -> tuple[Motions, float]:
     """DRIFT's pass: motions from every pose, and the trajectory's printed score Σ r² (4)."""
+    steps: list[MotionStep] = []
+
+    def follow(shown: Prepared) -> Poses:
+        steps[:] = _printed_steps(scene, clip, shown, trajectory, inner)
+        R = np.stack([s.Rs_parent_part for s in steps])
+        return R, np.stack([s.p_camera_root for s in steps])
+
+    led = follow_within(scene, clip, trajectory.writable(), follow, is_chain=False)
+    return Motions(*led), _printed_sum(steps)
+
+
+def _printed_steps(
+    scene: Scene, clip: Clip, shown: Prepared, trajectory: Trajectory, inner: int
+) -> list[MotionStep]:
+    """One for every frame pair."""
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
-    pictures = clip.levels[0]
-    steps = [
-        least_squares_step(scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, inner)
+    pictures, lens = shown.levels[0], shown.seen_by(scene.lens)
+    return [
+        least_squares_step(
+            scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, inner, lens
+        )
         for j in range(len(trajectory) - 1)
     ]
-    motions = Motions(
-        np.stack([s.Rs_parent_part for s in steps]), np.stack([s.p_camera_root for s in steps])
-    )
-    return motions, _printed_sum(steps)
 
 
 def printed_score(scene: Scene, clip: Clip, trajectory: Trajectory) -> float:
     """Σ over frames and points of the squared difference of brightness.  DRIFT (4)"""
-    slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
-    pictures = clip.levels[0]
-    return _printed_sum(
-        [
-            least_squares_step(scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, 1)
-            for j in range(len(trajectory) - 1)
-        ]
-    )
+    shown = show(scene, clip, trajectory)
+    return _printed_sum(_printed_steps(scene, clip, shown, trajectory, 1))
 
 
 def _printed_sum(steps: list[MotionStep]) -> float:
@@ -147,11 +161,17 @@ def robust_pass(
     n, parts = len(trajectory) - 1, scene.skeleton.part_count
     R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.equal(n, parts)
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
-    score = follow_pairs(
-        scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels[0], slots,
-        *trajectory.writable(), stride, inner, stop, R, t,
-        doubt.turned, doubt.shifted,
-    )  # fmt: skip
+    before, score = trajectory.writable(), np.nan
+
+    def follow(shown: Prepared) -> Poses:
+        nonlocal score
+        score = follow_pairs(
+            scene.arrays, shown.seen_by(scene.lens), scene.visibility, scene.prior(stride),
+            shown.levels[0], slots, *before, stride, inner, stop, R, t, doubt.turned, doubt.shifted,
+        )  # fmt: skip
+        return R, t
+
+    follow_within(scene, clip, before, follow, is_chain=False)
     return Motions(R, t, doubt), float(score)
 
 
@@ -190,9 +210,10 @@ def keyframe_difference(scene: Scene, segment: Segment, stride: int) -> float:
 def _capped(
     scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, stride: int
 ) -> float:
+    shown = show(scene, clip, trajectory)
     return float(
         mean_capped_square(
-            scene.arrays, scene.lens, scene.visibility, clip.levels[0], slots,
+            scene.arrays, shown.seen_by(scene.lens), scene.visibility, shown.levels[0], slots,
             *trajectory.writable(), stride, CAP,
         )
     )  # fmt: skip

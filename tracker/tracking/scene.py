@@ -86,26 +86,26 @@ class Scene:
         arrays = _arrays(skeleton, self.points)._replace(least=self.arrays.least)
         return replace(self, skeleton=skeleton, arrays=arrays)
 
-    def before_plate(self, shown: Sequence[tuple[Picture, Pose]]) -> Scene:
+    def before_plate(self, shown: Sequence[tuple[Picture, Pose]], lens: Lens) -> Scene:
         """The same, but parts that look as the empty scene does wherever they are posed stood there
         when it was taken: they are followed as without it.
 
-        shown: pictures (h, w, 4) and the pose that each shows.
+        shown: pictures (h, w, 4) and the pose that each shows.  lens: of their window.
         """
-        seen = np.array([self._seen(picture, pose, TARGET_ONLY) for picture, pose in shown])
-        used = np.array([self._seen(picture, pose, USABLE) for picture, pose in shown])
+        seen = np.array([self._seen(picture, lens, pose, TARGET_ONLY) for picture, pose in shown])
+        used = np.array([self._seen(picture, lens, pose, USABLE) for picture, pose in shown])
         stood = (used < STOOD_SHARE * seen).all(axis=0) & (seen >= FEWEST_STOOD).all(axis=0)
         least = np.where(stood, np.float32(TARGET_ONLY), np.float32(USABLE))
         return replace(self, arrays=self.arrays._replace(least=least))
 
-    def _seen(self, picture: Picture, pose: Pose, least: float) -> NDArray[np.int64]:
+    def _seen(self, picture: Picture, lens: Lens, pose: Pose, least: float) -> NDArray[np.int64]:
         """(P,) points of every part that a pose shows, on pixels of at least this use."""
         size, parts = len(self.points.points), self.skeleton.part_count
         chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
         starts = np.empty(parts + 1, np.int64)
         height, width = picture.shape[:2]
         view(
-            self.arrays._replace(least=np.full(parts, least, np.float32)), self.lens,
+            self.arrays._replace(least=np.full(parts, least, np.float32)), lens,
             self.visibility, width, height, picture, 1, *pose.writable(), chosen, grey, starts,
         )  # fmt: skip
         return np.diff(starts)

@@ -13,7 +13,7 @@ import numpy as np
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.surface_points import SurfacePoints, sample_points
-from keypose.tracker.body.trajectory import Pass, Trajectory, displaced
+from keypose.tracker.body.trajectory import Pass, Trajectory, displaced, interpolate
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -45,8 +45,10 @@ from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.tracking.windows import MARGIN, body_windows, window_around
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
+from keypose.tracker.video.pyramid import Clip
 
 Emit: TypeAlias = Callable[[Pass, int], None]
 """Is given every trajectory on the way, and its number; may raise Cancelled."""
@@ -229,9 +231,21 @@ class Tracker:
         scene = self.scene_about(poses, span, density, free)
         if not self._prepared.shows_background:
             return scene
-        clip = self.loader(span).load(*span)
-        pictures = [clip.levels[0][frame - clip.first_frame] for frame in span]
-        return scene.before_plate(list(zip(pictures, poses, strict=True)))
+        clip = self.pictures(span)
+        shown = clip.shown
+        pictures = [shown.levels[0][frame - clip.first_frame] for frame in span]
+        return scene.before_plate(
+            list(zip(pictures, poses, strict=True)), shown.seen_by(scene.lens)
+        )
+
+    def pictures(self, span: tuple[int, int]) -> Clip:
+        """The pictures of a segment, around the body as it is posed and interpolated: elsewhere
+        they are prepared once a motion leads there."""
+        start, end = (self.keyposes[frame] for frame in span)
+        motion = interpolate(start, end, *span)
+        scene = self.scene_about([start, end], span, 1.0)
+        windows = body_windows(scene, motion.transforms(self.skeleton))
+        return self.loader(span).load(*span, window_around(windows), window_around(windows, MARGIN))
 
     def scene_about(
         self, poses: Sequence[Pose], span: tuple[int, int], density: float, free: bool = False
@@ -299,7 +313,7 @@ class Tracker:
             own = imported if settings.initial == "import" else None
         elif known is not None:
             imported = fit_to_keyframes(known, start, end, first, last)
-        clip = self.loader(span).load(first, last)
+        clip = self.pictures(span)
         segment = Segment(first, last, start, end, clip, imported, own, self._to_posed_s(span))
         method = method_of(settings)
         scene = self.scene(span, method.density)

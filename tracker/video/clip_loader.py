@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
-from threading import Lock
+from threading import RLock
+from typing import Any
 
 import cv2
 import numpy as np
@@ -20,14 +21,17 @@ from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
 from keypose.tracker.video.panorama import Panorama, Shown, exposure_of, panorama_of, sampled
 from keypose.tracker.video.pyramid import (
+    ALIGNED,
     IGNORED,
-    LEVELS,
     TARGET_ONLY,
     USABLE,
     Clip,
+    Overview,
     Picture,
+    Prepared,
+    Window,
     level_sizes,
-    prepare,
+    prepare_window,
 )
 from keypose.tracker.video.still_camera import background, moving, smooth
 
@@ -37,6 +41,8 @@ PROCESS_BYTES = 300_000_000
 """Of that, what libraries, compiled loops and the decoder take."""
 KEPT_SHARE = 0.3
 """How much earlier clips may go on holding where there is room beside a new one."""
+LEAST_WINDOW = 32
+"""Pixels: where a body is hardly in the picture, its window is widened by so much at once."""
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
@@ -116,20 +122,38 @@ class ClipLoader:
     _plate: Picture | None = None
     _around: Panorama | None = None
     _beyond: NDArray[np.bool_] | None = None
-    _lock: Lock = field(default_factory=Lock)
+    _lock: Any = field(default_factory=RLock)
 
-    def load(self, first: int, last: int) -> Clip:
-        """A clip that holds the frames first … last, both included, and maybe others."""
+    def load(
+        self, first: int, last: int, needed: Window | None = None, wanted: Window | None = None
+    ) -> Clip:
+        """A clip that holds the frames first … last, both included, and maybe others.
+
+        needed: what of the working pictures it shows at least; it can show more later
+        (`Clip.cover`); None for all of them.  wanted: what is prepared where something is.
+        """
         require_short(first, last)
         with self._lock:
             span = self._covering(first, last)
             if span is None:
-                clip = self._prepare_clip(first, last)
+                clip = self._prepare_clip(first, last, self._fitted(wanted or needed))
                 self._forget_within(first, last)
                 span = (first, last)
                 self._ready[span] = clip
             self._ready.move_to_end(span)
+            self._ready[span].cover(needed, wanted)
             return self._ready[span]
+
+    def _fitted(self, window: Window | None) -> Window:
+        """The part of a window that lies within the working pictures, a little wider."""
+        working = self.size.camera(self.camera)
+        whole = Window.whole(working.width, working.height)
+        if window is None:
+            return whole
+        fitted = window.within(whole)
+        if min(fitted.right - fitted.left, fitted.bottom - fitted.top) < LEAST_WINDOW:
+            fitted = fitted.grown(LEAST_WINDOW)
+        return fitted.aligned(ALIGNED).within(whole)
 
     def _covering(self, first: int, last: int) -> tuple[int, int] | None:
         """The frames of a ready clip that holds these."""
@@ -142,50 +166,64 @@ class ClipLoader:
         for span in [s for s in self._ready if first <= s[0] and s[1] <= last]:
             del self._ready[span]
 
-    def _pictures_of(self, frame: int) -> list[Picture] | None:
-        """A frame's pictures, every level, where a ready clip holds it."""
-        for clip in self._ready.values():
-            if 0 <= frame - clip.first_frame < len(clip):
-                return [level[frame - clip.first_frame] for level in clip.levels]
-        return None
+    def _make_room(self, needed: int, keep: Clip | None = None) -> None:
+        """Drop the least recently used clips until they fit beside new pictures of so many bytes.
 
-    def _make_room(self, needed: int) -> None:
-        """Drop the least recently used clips until they fit beside a new one of so many bytes."""
+        keep: a clip that stays, whose pictures those are.
+        """
         room = min(KEPT_SHARE * self.memory, self.memory - PROCESS_BYTES - needed)
-        while self._ready and sum(_size(clip.levels) for clip in self._ready.values()) > room:
-            self._ready.popitem(last=False)
+        others = [span for span, clip in self._ready.items() if clip is not keep]
+        while others and sum(_size(self._ready[span].levels) for span in others) > room:
+            del self._ready[others.pop(0)]
         give_back_beyond(self.memory)
 
-    def _prepare_clip(self, first: int, last: int) -> Clip:
+    def _prepare_clip(self, first: int, last: int, window: Window) -> Clip:
         """A clip in which frames that are ready are not prepared again. They are taken over before
         room is made: to go back to them, a decoder would have to begin long before."""
-        working = self.size.camera(self.camera)
-        sizes = level_sizes(working.width, working.height, LEVELS)
-        levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
-        taken = {frame for frame in range(first, last + 1) if self._take_over(frame, first, levels)}
-        self._make_room(_size(levels))
-        for frame, prepared in self._missing(first, last, taken):
-            _put(levels, frame - first, prepared)
+        made = _Making.of(first, last, window, self._fitted(None))
+        taken = {frame for frame in range(first, last + 1) if self._take_over(frame, made)}
+        self._make_room(_size(made.levels))
+        self._fill(made, taken)
         damaged = frozenset(n for n in self._damaged if first <= n <= last)
-        return Clip(first, levels, damaged)
+        whole = self._fitted(None)
+        return Clip(first, made.levels, damaged, made.overview, window, whole, self._widened)
 
-    def _take_over(self, frame: int, first: int, levels: Sequence[Picture]) -> bool:
-        """Copy a frame's pictures, where a ready clip holds it; whether one does."""
-        pictures = self._pictures_of(frame)
-        if pictures is not None:
-            _put(levels, frame - first, pictures)
-        return pictures is not None
+    def _widened(self, clip: Clip, window: Window) -> Prepared:
+        """A clip's pictures in the smallest window that holds this one and what it shows now."""
+        with self._lock:
+            shown = clip.shown
+            if shown.window is None or shown.holds(window):
+                return shown  # by another thread, meanwhile
+            wanted = self._fitted(window.joined(shown.window))
+            first = clip.first_frame
+            made = _Making.of(first, first + len(clip) - 1, wanted, self._fitted(None))
+            self._make_room(_size(made.levels), keep=clip)
+            self._fill(made, ())
+            return Prepared(made.levels, wanted)
+
+    def _take_over(self, frame: int, made: _Making) -> bool:
+        """Copy a frame's pictures, where a ready clip shows as much of it; whether one does."""
+        for clip in self._ready.values():
+            if 0 <= frame - clip.first_frame < len(clip) and clip.shown.holds(made.window):
+                made.take(frame, clip)
+                return True
+        return False
+
+    def _fill(self, made: _Making, taken: Collection[int]) -> None:
+        """Prepare all other frames."""
+        for frame, grey, usable in self._missing(made.first, made.last, taken):
+            made.put(frame, grey, usable)
 
     def _missing(
         self, first: int, last: int, taken: Collection[int]
-    ) -> Iterator[tuple[int, list[Picture]]]:
-        """Every other frame's pictures."""
+    ) -> Iterator[tuple[int, NDArray[np.uint8], Picture | None]]:
+        """Every other frame in grey, and what its pixels may be used for."""
         for start, stop in _gaps(first, last + 1, taken):
             reached = start
             for index, rgb in self.video.sound_frames(start, stop):
                 if rgb is None:
                     self._damaged.add(index)
-                yield index, self._prepare(index, rgb)
+                yield index, *self._prepare(index, rgb)
                 reached = index + 1
             if reached != stop:
                 raise VideoError(
@@ -193,13 +231,15 @@ class ClipLoader:
                     "convert it, and make the session anew."
                 )
 
-    def _prepare(self, index: int, rgb: NDArray[np.uint8] | None) -> list[Picture]:
+    def _prepare(
+        self, index: int, rgb: NDArray[np.uint8] | None
+    ) -> tuple[NDArray[np.uint8], Picture | None]:
         if rgb is None:
             working = self.size.camera(self.camera)
             grey = np.zeros((working.height, working.width), np.uint8)
-            return prepare(grey, np.full(grey.shape, IGNORED, np.float32), LEVELS)
+            return grey, np.full(grey.shape, IGNORED, np.float32)
         grey = self._grey(rgb, index)
-        return prepare(grey, self._usable(index, grey), LEVELS)
+        return grey, self._usable(index, grey)
 
     def _grey(self, rgb: NDArray[np.uint8], frame: int) -> NDArray[np.uint8]:
         grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
@@ -293,9 +333,39 @@ class ClipLoader:
         return smooth(background(pictures))
 
 
-def _put(levels: Sequence[Picture], index: int, pictures: Sequence[Picture]) -> None:
-    for level, picture in zip(levels, pictures, strict=True):
-        level[index] = picture
+@dataclass(frozen=True, eq=False)
+class _Making:
+    """Arrays of a clip of the frames first … last that are being filled."""
+
+    first: int
+    last: int
+    window: Window
+    levels: tuple[Picture, ...]
+    overview: Overview
+
+    @classmethod
+    def of(cls, first: int, last: int, window: Window, whole: Window) -> _Making:
+        """Room for all frames."""
+        count = last - first + 1
+        levels = tuple(np.empty((count, h, w, 4), np.float32) for h, w in window.sizes)
+        return cls(first, last, window, levels, Overview.empty(count, whole))
+
+    def put(self, frame: int, grey: NDArray[np.uint8], usable: Picture | None) -> None:
+        """Prepare a frame's pictures."""
+        index = frame - self.first
+        for level, picture in zip(
+            self.levels, prepare_window(grey, usable, self.window), strict=True
+        ):
+            level[index] = picture
+        self.overview.put(index, grey, usable)
+
+    def take(self, frame: int, clip: Clip) -> None:
+        """Copy a frame's pictures from a clip that shows as much of it."""
+        index, slot = frame - self.first, frame - clip.first_frame
+        for k, level in enumerate(self.levels):
+            level[index] = clip.shown.cut(slot, k, self.window.halved(k))
+        self.overview.grey[index] = clip.overview.grey[slot]
+        self.overview.use[index] = clip.overview.use[slot]
 
 
 def _size(levels: Sequence[Picture]) -> int:

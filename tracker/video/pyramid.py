@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from keypose.tracker.kernels.layout import Lens
 
 LEVELS = 3
 BLUR_PX = 0.8
@@ -58,20 +62,205 @@ def _with_rim(usable: Picture) -> Picture:
     return np.where(near, np.float32(IGNORED), usable)
 
 
-@dataclass(frozen=True, eq=False)
-class Clip:
-    """Prepared pictures of consecutive frames.
+class Window(NamedTuple):
+    """A rectangle of a picture: the pixels left … right − 1 and top … bottom − 1."""
 
-    levels: one array (n, h, w, 4) float32 for each pyramid level, finest first.
-    damaged: the frames whose pictures are missing or damaged; all of them is IGNORED.
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+    @classmethod
+    def whole(cls, width: int, height: int) -> Window:
+        """All of a picture."""
+        return cls(0, 0, width, height)
+
+    @property
+    def sizes(self) -> list[tuple[int, int]]:
+        """(height, width) of its every level."""
+        return level_sizes(self.right - self.left, self.bottom - self.top, LEVELS)
+
+    def holds(self, other: Window) -> bool:
+        """Return whether all of another one lies within it."""
+        return self.joined(other) == self
+
+    def joined(self, other: Window) -> Window:
+        """The smallest one that holds both."""
+        low = min(self.left, other.left), min(self.top, other.top)
+        return Window(*low, max(self.right, other.right), max(self.bottom, other.bottom))
+
+    def within(self, other: Window) -> Window:
+        """The part of it within another one; empty ones lie at a corner of that."""
+        left, right = (min(max(x, other.left), other.right) for x in (self.left, self.right))
+        top, bottom = (min(max(y, other.top), other.bottom) for y in (self.top, self.bottom))
+        return Window(left, top, right, bottom)
+
+    def seen_from(self, other: Window) -> Window:
+        """It counted from the upper left pixel of another one."""
+        left, top = other.left, other.top
+        return Window(self.left - left, self.top - top, self.right - left, self.bottom - top)
+
+    def grown(self, pixels: float) -> Window:
+        """It with so many more pixels on every side."""
+        by = int(np.ceil(pixels))
+        return Window(self.left - by, self.top - by, self.right + by, self.bottom + by)
+
+    def aligned(self, step: int) -> Window:
+        """The smallest one around it that begins and ends at multiples of a step."""
+        low = self.left // step * step, self.top // step * step
+        return Window(*low, -(-self.right // step) * step, -(-self.bottom // step) * step)
+
+    def halved(self, times: int) -> Window:
+        """The smallest one around it in pictures that are halved so many times."""
+        scale = 2**times
+        low = self.left // scale, self.top // scale
+        return Window(*low, -(-self.right // scale), -(-self.bottom // scale))
+
+    def doubled(self, times: int) -> Window:
+        """The smallest one around it in pictures that were halved so many times."""
+        scale = 2**times
+        return Window(*(scale * x for x in self))
+
+    def of(self, picture: NDArray[Any]) -> NDArray[Any]:
+        """It cut out of a picture (h, w, …), as a view."""
+        return picture[self.top : self.bottom, self.left : self.right]
+
+
+ALIGNED = 2 ** (LEVELS - 1)
+"""Pixels to whose multiples windows reach, so that they begin at whole pixels at every level."""
+HALO = 32
+"""Pixels around a window that are prepared with it: blur, halving and rims of the ignored reach 28
+pixels from the coarsest level. A multiple of what OpenCV computes at once, so that a window's
+pixels have the very numbers of the whole picture's."""
+
+
+def prepare_window(
+    grey: NDArray[np.uint8], usable: Picture | None, window: Window
+) -> list[Picture]:
+    """All levels of a window of a picture, with the numbers of `prepare`, as views."""
+    height, width = grey.shape
+    around = window.grown(HALO).aligned(HALO).within(Window.whole(width, height))
+    cut = np.ascontiguousarray(around.of(grey))
+    pictures = prepare(cut, None if usable is None else around.of(usable), LEVELS)
+    inside = window.seen_from(around)
+    return [inside.halved(level).of(picture) for level, picture in enumerate(pictures)]
+
+
+class Overview(NamedTuple):
+    """All of the pictures of a clip at the coarsest level, whatever its window.
+
+    grey, use (n, h, w): brightness, and what a pixel may be used for.
     """
 
-    first_frame: int
+    grey: NDArray[Any]
+    use: NDArray[Any]
+
+    @classmethod
+    def empty(cls, count: int, window: Window) -> Overview:
+        """Room for the pictures of so many frames."""
+        size = window.sizes[-1]
+        return cls(np.empty((count, *size), np.uint8), np.empty((count, *size), np.float16))
+
+    def put(self, index: int, grey: NDArray[np.uint8], usable: Picture | None) -> None:
+        """Take one picture at its full size."""
+        coarse = grey
+        for _ in range(LEVELS - 1):
+            coarse = np.asarray(cv2.pyrDown(coarse), np.uint8)
+        step = 2 ** (LEVELS - 1)
+        self.grey[index] = coarse
+        self.use[index] = USABLE if usable is None else usable[::step, ::step]
+
+
+class Prepared(NamedTuple):
+    """What a clip shows at a time: one array (n, h, w, 4) float32 for each pyramid level, finest
+    first, of a window of the picture; None for all of it."""
+
     levels: tuple[Picture, ...]
-    damaged: frozenset[int] = frozenset()
+    window: Window | None = None
+
+    def holds(self, wanted: Window) -> bool:
+        """Return whether it shows all of a window that lies within the picture."""
+        return self.window is None or self.window.holds(wanted)
+
+    def seen_by(self, lens: Lens) -> Lens:
+        """A lens of the whole picture that knows where in it the arrays begin."""
+        if self.window is None:
+            return lens
+        return lens._replace(left=self.window.left, top=self.window.top)
+
+    def cut(self, slot: int, level: int, wanted: Window) -> Picture:
+        """A window (h, w, 4) of one picture; IndexError where it is not all shown.
+
+        wanted: in pixels of that level.
+        """
+        picture: Picture = self.levels[level][slot]
+        if self.window is not None:
+            wanted = wanted.seen_from(self.window.halved(level))
+        if not Window.whole(picture.shape[1], picture.shape[0]).holds(wanted):
+            raise IndexError(f"the pictures show less than {wanted}")
+        return wanted.of(picture)
+
+
+class Clip:
+    """Prepared pictures of consecutive frames, of the whole picture or of a window of it.
+
+    damaged: the frames whose pictures are missing or damaged; all of them is IGNORED.
+    whole: the whole picture, where there is a window.  overview: all of it, coarse; the coarsest
+    level where that is left out.  widened: prepares a clip's pictures in a wider window.
+    """
+
+    def __init__(
+        self,
+        first_frame: int,
+        levels: tuple[Picture, ...],
+        damaged: frozenset[int] = frozenset(),
+        overview: Overview | None = None,
+        window: Window | None = None,
+        whole: Window | None = None,
+        widened: Callable[[Clip, Window], Prepared] | None = None,
+    ) -> None:
+        self.first_frame, self.damaged = first_frame, damaged
+        self._shown, self._whole, self._widened = Prepared(levels, window), whole, widened
+        self._overview = overview
 
     def __len__(self) -> int:
         return len(self.levels[0])
+
+    @property
+    def levels(self) -> tuple[Picture, ...]:
+        """The arrays of what it shows now."""
+        return self._shown.levels
+
+    @property
+    def shown(self) -> Prepared:
+        """What it shows now; another thread may widen it meanwhile."""
+        return self._shown
+
+    def within(self, wanted: Window | None) -> Window | None:
+        """The part of a window that lies within the picture; all of that for None."""
+        return self._whole if wanted is None or self._whole is None else wanted.within(self._whole)
+
+    def cover(self, needed: Window | None, wanted: Window | None = None) -> Prepared:
+        """What it shows, widened, if need be, to hold a window as far as the picture reaches: its
+        frames are prepared again.
+
+        needed: None for all of the picture.  wanted: what it is widened to, so that the next step
+        does not widen it once more; what is needed where that is left out.
+        """
+        inside = self.within(needed)
+        if self._widened is not None and inside is not None and not self._shown.holds(inside):
+            wider = inside if wanted is None else self.within(wanted)
+            assert wider is not None
+            self._shown = self._widened(self, wider.joined(inside))
+        return self._shown
+
+    @property
+    def overview(self) -> Overview:
+        """All of the pictures, coarse."""
+        if self._overview is not None:
+            return self._overview
+        coarsest = self.levels[-1]
+        return Overview(coarsest[..., 0], coarsest[..., 3])
 
     def slots(self, first_frame: int, last_frame: int) -> NDArray[np.int64]:
         """Return where the frames first_frame … last_frame lie in the arrays; IndexError beyond

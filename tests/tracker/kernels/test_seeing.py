@@ -13,8 +13,9 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.shapes import Box
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.kernels.pairs import scaled_lens
 from keypose.tracker.kernels.seeing import brightness, pick, see
-from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.scene import Scene, lens_of
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERA,
@@ -61,8 +62,9 @@ def followed(
     chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
     starts = np.empty(scene.skeleton.part_count + 1, np.int64)
     count = pick(
-        scene.arrays, shown.uvz, shown.seen, picture, scale, of, every, chosen, grey, starts
-    )
+        scene.arrays, shown.uvz, shown.seen, picture, scaled_lens(scene.lens, scale), scale,
+        of, every, chosen, grey, starts,
+    )  # fmt: skip
     return chosen[:count], grey[:count], starts
 
 
@@ -154,5 +156,5 @@ def test_brightness_lies_between_its_four_pixels() -> None:
     picture = smooth_picture(6)
     rng = np.random.default_rng(6)
     uv = rng.uniform(0, (CAMERA.width - 1.001, CAMERA.height - 1.001), (100, 2))
-    found = [brightness(picture, np.float32(u), np.float32(v)) for u, v in uv]
+    found = [brightness(picture, lens_of(CAMERA), np.float32(u), np.float32(v)) for u, v in uv]
     np.testing.assert_allclose(found, plain.bilinear(picture, uv)[:, 0], atol=0.02)

@@ -19,11 +19,19 @@ from keypose.tracker.video.clip_loader import (
     ClipLoader,
     WorkingSize,
 )
-from keypose.tracker.video.pyramid import IGNORED, LEVELS, TARGET_ONLY, USABLE
+from keypose.tracker.video.pyramid import (
+    ALIGNED,
+    IGNORED,
+    LEVELS,
+    TARGET_ONLY,
+    USABLE,
+    Window,
+)
 from tests.tracker.tracking_cases import MemoryVideo
 
 WIDTH, HEIGHT = 80, 60
 CAMERA = Camera(width=WIDTH, height=HEIGHT, fx=70.0, fy=72.0, cx=40.5, cy=29.25)
+LARGE = Camera(width=251, height=187, fx=230.0, fy=230.0, cx=125.0, cy=93.0)
 Pictures = NDArray[np.uint8]
 
 
@@ -232,3 +240,85 @@ def test_a_video_that_ends_early_is_refused_instead_of_shown_as_noise() -> None:
     assert len(short.load(0, 3)) == 4
     with pytest.raises(VideoError, match=r"no frame 6: it holds fewer frames than it says"):
         short.load(2, 6)
+
+
+SCENES: dict[str, dict[str, Any]] = {
+    "plain": {},
+    "masked": {"masks": (square(60, 90, 1, 2),)},
+    "static": {"static_camera": True},
+    "bent": {"camera": LARGE.model_copy(update={"distortion": (0.2, -0.05, 0.0, 0.0, 0.0)})},
+    "halved": {"halvings": 1},
+    "damaged": {"missing": (1,)},
+}
+WINDOWS = {
+    "inside": Window(101, 67, 189, 163),
+    "at an edge": Window(-40, 100, 75, 500),
+    "at a corner": Window(130, 90, 900, 900),
+}
+
+
+@pytest.mark.parametrize("window", WINDOWS.values(), ids=WINDOWS)
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_a_window_has_the_very_numbers_of_the_whole_picture_and_is_no_larger(
+    scene: dict[str, Any], window: Window
+) -> None:
+    pictures = noise(4, LARGE.width, LARGE.height)
+    window = window.halved(scene.get("halvings", 0))
+    whole, part = (
+        loader(pictures, **{"camera": LARGE, **scene}).load(0, 3, w) for w in (None, window)
+    )
+    placed, everything = part.shown.window, whole.shown.window
+    assert placed is not None
+    assert everything is not None
+    assert placed.holds(window.within(everything))
+    for k, (level, picture) in enumerate(zip(part.levels, whole.levels, strict=True)):
+        for mine, its in zip(level, picture, strict=True):
+            np.testing.assert_array_equal(mine, placed.halved(k).of(its))
+    kept = window.within(everything).grown(ALIGNED).aligned(ALIGNED)
+    area = (kept.right - kept.left) * (kept.bottom - kept.top)
+    assert (
+        sum(level.nbytes for level in part.levels) <= 1.4 * 4 * area * 4 * part.levels[0].itemsize
+    )
+    for mine, its in zip(part.overview, whole.overview, strict=True):
+        np.testing.assert_array_equal(mine, its)
+    assert part.damaged == whole.damaged
+
+
+def test_a_window_that_is_widened_shows_what_it_would_have_shown_from_the_start() -> None:
+    pictures = noise(4, LARGE.width, LARGE.height)
+    clips = loader(pictures, LARGE)
+    clip = clips.load(0, 3, Window(100, 60, 190, 150))
+    before = clip.shown
+    assert clip.cover(Window(100, 60, 180, 150)) is before
+    wider = clip.cover(Window(150, 20, 210, 100), Window(140, 10, 220, 110))
+    assert wider.holds(Window(100, 20, 210, 150))
+    afresh = loader(pictures, LARGE).load(0, 3, wider.window)
+    for mine, other in zip(wider.levels, afresh.levels, strict=True):
+        np.testing.assert_array_equal(mine, other)
+    assert clips.load(1, 2, Window(110, 70, 120, 80)) is clip
+    whole = clip.cover(None)
+    assert whole.levels[0].shape[1:3] == (LARGE.height, LARGE.width)
+    assert clips.load(0, 3) is clip
+
+
+def test_frames_are_taken_over_from_a_window_that_shows_enough_of_them() -> None:
+    video: Any = Counting(noise(8, LARGE.width, LARGE.height))
+    clips = ClipLoader(video, LARGE, WorkingSize(0))
+    clips.load(0, 3, Window(60, 60, 200, 160))
+    part = clips.load(2, 5, Window(80, 70, 180, 150))
+    assert video.asked == [0, 1, 2, 3, 4, 5]
+    clips.load(5, 7, Window(20, 70, 180, 150))
+    assert video.asked == [0, 1, 2, 3, 4, 5, 5, 6, 7]
+    afresh = ClipLoader(video, LARGE, WorkingSize(0)).load(2, 5, Window(80, 70, 180, 150))
+    for mine, other in zip(
+        (*part.levels, *part.overview), (*afresh.levels, *afresh.overview), strict=True
+    ):
+        np.testing.assert_array_equal(mine, other)
+
+
+@pytest.mark.parametrize("window", [Window(-90, -90, -10, -10), Window(500, 0, 600, 90)])
+def test_a_body_that_is_out_of_the_picture_has_a_little_of_it(window: Window) -> None:
+    clip = loader(noise(2, LARGE.width, LARGE.height), LARGE).load(0, 1, window)
+    height, width = clip.levels[0].shape[1:3]
+    assert min(height, width) >= 32
+    assert height * width < LARGE.height * LARGE.width / 4

@@ -82,7 +82,11 @@ def texture_of(scene: Scene, pictures: Sequence[Picture], pose: Pose, weight: fl
         first = np.empty(scene.skeleton.part_count + 1, np.int64)
         coarse = level >= COARSE_LEVEL
         stride, every = (1, 2) if coarse else (STRIDE, 1)
-        pick(scene.arrays, uvz, seen, picture, 0.5**level, stride, every, points, brightness, first)
+        lens = scaled_lens(scene.lens, 0.5**level)
+        pick(
+            scene.arrays, uvz, seen, picture, lens, 0.5**level, stride, every,
+            points, brightness, first,
+        )  # fmt: skip
         chosen.append(points)
         grey.append(brightness)
         starts.append(first)

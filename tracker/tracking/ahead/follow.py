@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Generator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
@@ -61,7 +61,7 @@ class DirectedFrames:
         first, last = self.span(steps)
         slots = clip.slots(first, last)[:: self.sign]
         damaged = frozenset(abs(n - self.frame) for n in clip.damaged if first <= n <= last)
-        return _Steps(0, clip.levels, damaged, slots)
+        return _Steps(clip, damaged, slots)
 
     def keypoints(self, found: Keypoints, steps: int) -> Keypoints:
         """Return the keypoints of so many steps, by step."""
@@ -81,11 +81,12 @@ class DirectedFrames:
         return Trajectory(first, steps.Rs_parent_part[rows], steps.ps_camera_root[rows])
 
 
-@dataclass(frozen=True, eq=False)
 class _Steps(Clip):
-    """Pictures by step. places: where each step's lie in the arrays."""
+    """Pictures by step, of a clip of whole pictures. places: where each step's lie in it."""
 
-    places: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    def __init__(self, clip: Clip, damaged: frozenset[int], places: NDArray[np.int64]) -> None:
+        super().__init__(0, clip.levels, damaged, clip.overview)
+        self.places = places
 
     def __len__(self) -> int:
         return len(self.places)

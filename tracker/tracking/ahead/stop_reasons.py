@@ -92,7 +92,7 @@ def _damaged(clip: Clip) -> int | None:
 
 def _cut(clip: Clip) -> int | None:
     """Find a cut in the coarsest pictures."""
-    grey = clip.levels[-1][clip.slots(0, len(clip) - 1), ..., 0]
+    grey = clip.overview.grey[clip.slots(0, len(clip) - 1)].astype(np.float32)
     change = np.abs(np.diff(grey, axis=0)).mean(axis=(1, 2))
     if not len(change):
         return None

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from functools import reduce
+from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
@@ -26,7 +27,7 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import extent_px
 from keypose.tracker.video.clip_loader import WorkingSize
-from keypose.tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip
+from keypose.tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip, Window
 
 Outlines: TypeAlias = Callable[[int], NDArray[np.bool_] | None]
 """Where a person is, (h, w) at the finest level of a clip, by frame; None where that is unknown."""
@@ -153,35 +154,47 @@ def _windows(
 ) -> Iterator[_Window | None]:
     """One for every frame; None where nothing can be compared."""
     mesh = BodyMesh.of(scene.skeleton)
-    level = _level(extent_px(scene, trajectory), clip)
+    level, coarsest = _level(extent_px(scene, trajectory), clip), len(clip.levels) - 1
     camera = WorkingSize(level).camera(scene.camera)
     view, Ts = ViewCamera.of(camera), trajectory.transforms(scene.skeleton)
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
     marks = scene.mark_pixels(trajectory) / 2**level
-    for slot, uv, T in zip(slots, marks, Ts, strict=True):
-        picture = clip.levels[level][slot]
-        used = picture[..., 3]
-        if outlines is not None:
-            used = _by_outline(used, outlines(clip.first_frame + int(slot)), 2**level)
-        extent = float((uv.max(axis=0) - uv.min(axis=0)).max())
-        window = _window(uv, 2 * REACH * extent, picture.shape)
+    extents = (marks.max(axis=1) - marks.min(axis=1)).max(axis=-1)
+    sizes = camera.width, camera.height
+    around = [_around(uv, 2 * REACH * e, sizes) for uv, e in zip(marks, extents, strict=True)]
+    shown = clip.cover(_joined(around).doubled(level))
+    for slot, extent, window, T in zip(slots, extents, around, Ts, strict=True):
+        outline = None if outlines is None else outlines(clip.first_frame + int(slot))
+        used = _by_outline(clip.overview.use[slot], outline, coarsest)
         if window is None or not (used == TARGET_ONLY).any():
             yield None
             continue
-        shown = raster(mesh, T, _within(view, window)).part
-        grey, use = picture[window][..., 0], used[window]
-        moving, inside = used == USABLE, use == USABLE
+        part = raster(mesh, T, _within(view, window)).part
+        picture = shown.cut(int(slot), level, window)
+        use = _by_outline(picture[..., 3], outline, level, window)
+        moving = used == USABLE
+        inside = window.halved(coarsest - level).of(moving)
         rest = max(moving.size - inside.size, 1)
-        yield _Window(shown, use, grey, extent, float(moving.sum() - inside.sum()) / rest)
+        elsewhere = float(moving.sum() - inside.sum()) / rest
+        yield _Window(part, use, picture[..., 0], float(extent), elsewhere)
+
+
+def _joined(windows: Sequence[Window | None]) -> Window:
+    """The smallest window that holds all of these."""
+    some = [window for window in windows if window is not None]
+    return reduce(Window.joined, some) if some else Window(0, 0, 0, 0)
 
 
 def _by_outline(
-    used: NDArray[np.float32], outline: NDArray[np.bool_] | None, step: int
-) -> NDArray[np.float32]:
-    """What pixels may be used for by where the person is; as it was where that is unknown."""
+    used: NDArray[Any], outline: NDArray[np.bool_] | None, level: int, window: Window | None = None
+) -> NDArray[Any]:
+    """What pixels of a level may be used for by where the person is; as it was where that is
+    unknown. window: what is shown of that level; None for all of it."""
     if outline is None:
         return used
-    person = np.where(outline[::step, ::step], np.float32(USABLE), np.float32(TARGET_ONLY))
+    there = outline[:: 2**level, :: 2**level]
+    there = there if window is None else window.of(there)
+    person = np.where(there, np.float32(USABLE), np.float32(TARGET_ONLY))
     return np.where(used == IGNORED, used, person)
 
 
@@ -191,22 +204,20 @@ def _level(extent: float, clip: Clip) -> int:
     return min(halvings, len(clip.levels) - 1)
 
 
-def _window(uv: Array, margin: float, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
-    """Rows and columns of the picture around pixels (M, 2); None where they are not in it."""
+def _around(uv: Array, margin: float, sizes: tuple[int, int]) -> Window | None:
+    """A window of a picture (width, height) around pixels (M, 2); None where they are not in it."""
     if not np.isfinite(uv).all():
         return None
-    sizes = np.array(shape[1::-1])
     low = np.clip(np.floor(uv.min(axis=0) - margin), 0, sizes).astype(int)
     high = np.clip(np.ceil(uv.max(axis=0) + margin) + 1, 0, sizes).astype(int)
-    return (slice(low[1], high[1]), slice(low[0], high[0])) if (low < high).all() else None
+    return Window(*low.tolist(), *high.tolist()) if (low < high).all() else None
 
 
-def _within(view: ViewCamera, window: tuple[slice, slice]) -> ViewCamera:
+def _within(view: ViewCamera, window: Window) -> ViewCamera:
     """The view of a window of the picture alone."""
-    rows, columns = window
-    centre = (view.centre[0] - columns.start, view.centre[1] - rows.start)
-    size = {"width": columns.stop - columns.start, "height": rows.stop - rows.start}
-    return replace(view, centre=centre, **size)
+    centre = (view.centre[0] - window.left, view.centre[1] - window.top)
+    width, height = window.right - window.left, window.bottom - window.top
+    return replace(view, centre=centre, width=width, height=height)
 
 
 def _tones(keyed: Sequence[_Window], parts: int) -> Array:

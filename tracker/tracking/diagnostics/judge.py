@@ -96,7 +96,7 @@ def _show_noise(clip: Clip, first: int, last: int) -> bool:
     frames = [n for n in range(first, last + 1) if n not in clip.damaged]
     if not clip.levels or len(frames) < 2:
         return False
-    grey = clip.levels[-1][np.array(frames) - clip.first_frame, ..., 0].astype(np.float64)
+    grey = clip.overview.grey[np.array(frames) - clip.first_frame].astype(np.float64)
     grey -= grey.mean(axis=(1, 2), keepdims=True)
     in_time = [_correlation(a, b) for a, b in pairwise(grey)]
     in_space = [_correlation(a[:, 1:], a[:, :-1]) for a in grey]

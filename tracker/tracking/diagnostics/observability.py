@@ -13,6 +13,7 @@ from keypose.tracker.kernels.pairs import observe_pairs
 from keypose.tracker.tracking.frame_pair import SINGULAR_CUT
 from keypose.tracker.tracking.result import Diagnostics
 from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.windows import show
 from keypose.tracker.video.pyramid import Clip
 
 
@@ -36,8 +37,9 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     dofs = scene.skeleton.dof_count
     A, sigma = np.empty((n, dofs, dofs)), np.empty(n)
     residual, shown = np.empty((n, parts)), np.empty((n, parts), np.int64)
+    pictures = show(scene, clip, trajectory)
     observe_pairs(
-        scene.arrays, scene.lens, scene.visibility, clip.levels[0],
+        scene.arrays, pictures.seen_by(scene.lens), scene.visibility, pictures.levels[0],
         clip.slots(trajectory.first_frame, trajectory.last_frame),
         *trajectory.writable(), A, residual, shown, sigma,
     )  # fmt: skip

@@ -19,7 +19,8 @@ from keypose.tracker.tracking.method import Keypose
 from keypose.tracker.tracking.per_clip import PerClip
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, is_sound
-from keypose.tracker.video.pyramid import Clip
+from keypose.tracker.tracking.windows import Poses, follow_within
+from keypose.tracker.video.pyramid import Clip, Prepared
 
 SMOOTHING_FRAMES = 2.0
 """Sigma of the smoothing over time that removes the jitter of an imported motion: passes would
@@ -65,11 +66,16 @@ def follow(
         R, t = _empty(scene, len(slots))
         R[0], t[0] = start.Rs_parent_part, start.p_camera_root
         doubt = Doubt.equal(len(slots) - 1, R.shape[1])
-        follow_chain(
-            scene.arrays, scene.lens, scene.visibility, scene.prior(stride), clip.levels, finest,
-            slots if forward else slots[::-1].copy(), R, t, stride, inner, stop,
-            doubt.turned, doubt.shifted,
-        )  # fmt: skip
+
+        def led(shown: Prepared) -> Poses:
+            follow_chain(
+                scene.arrays, shown.seen_by(scene.lens), scene.visibility, scene.prior(stride),
+                shown.levels, finest, slots if forward else slots[::-1].copy(), R, t, stride,
+                inner, stop, doubt.turned, doubt.shifted,
+            )  # fmt: skip
+            return R, t
+
+        follow_within(scene, clip, (R[:1].copy(), t[:1].copy()), led, is_chain=True)
         step = 1 if forward else -1
         doubt = Doubt(doubt.turned[::step], doubt.shifted[::step])
         return Chain(min(first, last), R[::step], t[::step], doubt)

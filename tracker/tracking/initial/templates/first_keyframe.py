@@ -130,7 +130,8 @@ class FirstKeyframe:
     def of(cls, scene: Scene, segment: Segment) -> FirstKeyframe:
         """Prepare what the first keyframe of one segment shows."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
-        shown = [GreyPicture.of(segment.clip.levels[0][slot]) for slot in slots]
+        whole = segment.clip.cover(None).levels[0]  # parts are sought far around
+        shown = [GreyPicture.of(whole[slot]) for slot in slots]
         Ts = pose_transforms(scene.skeleton, segment.start)
         seen = raster(BodyMesh.of(scene.skeleton), Ts, ViewCamera.of(scene.camera))
         return cls(scene, segment, shown, seen.part)

@@ -309,7 +309,8 @@ class _View:
     def of(cls, scene: Scene, segment: Segment, chains: Chains) -> _View:
         """Prepare one segment."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
-        pictures = [segment.clip.levels[0][slot] for slot in slots]
+        whole = segment.clip.cover(None).levels[0]  # places are sought far around
+        pictures = [whole[slot] for slot in slots]
         base = blend_chains(scene, *chains)
         mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
         Ts = base.transforms(scene.skeleton)

@@ -1,0 +1,110 @@
+"""Show a body's pictures in a window around it, which is widened where the body leaves it.
+
+What leaves the window is seen nowhere, as if it left the picture; so whoever follows the body looks
+whether it did, and then follows it again in a wider one. A motion is thus the same whatever window
+it was begun in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.body.pose import part_transforms
+from keypose.tracker.body.surface_points import SurfacePoints
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import Clip, Prepared, Window
+
+Poses: TypeAlias = tuple[Array, Array]
+"""Rs_parent_part (N, P, 3, 3), ps_camera_root (N, 3)."""
+EDGE_PX = 12
+"""Around the body: interpolation at the coarsest level reaches four pixels from a point."""
+MARGIN = 0.25
+"""Of the body's extent, by which windows are wider than what is known of its motion."""
+MOST_TURNS = 4
+"""So often a window is widened a little for a motion that leaves it; then it is all the picture."""
+FAR_PX = 1e6
+"""Beyond every picture."""
+NEAREST_M = 0.05
+"""Nothing nearer is seen; where it would be seen, nobody knows."""
+
+
+def body_windows(scene: Scene, Ts: Array) -> NDArray[np.float64]:
+    """(N, 4) left, top, right and bottom pixel of a body's surface at transforms (N, P, 4, 4);
+    infinite where a part of it comes too near to the camera, or is nowhere."""
+    corners = _corners(scene.points)
+    p = np.einsum("npab,pkb->npka", Ts[..., :3, :3], corners) + Ts[..., None, :3, 3]
+    near = ~(p[..., 2].min(axis=(1, 2)) > NEAREST_M)
+    lens, z = scene.lens, np.maximum(p[..., 2:], NEAREST_M)
+    away = z if lens.perspective else np.full_like(z, lens.distance)
+    uv = p[..., :2] / away * (lens.fx, lens.fy) + (lens.cx, lens.cy)
+    found = np.concatenate([uv.min(axis=(1, 2)), uv.max(axis=(1, 2))], axis=-1)
+    found[near] = (-np.inf, -np.inf, np.inf, np.inf)
+    return found
+
+
+@lru_cache(maxsize=8)
+def _corners(points: SurfacePoints) -> Array:
+    """(P, 8, 3) corners of a box around the surface of every part, in its frame."""
+    found = []
+    for first, last in zip(points.starts[:-1], points.starts[1:], strict=True):
+        own = points.points[first:last].astype(np.float64) if last > first else np.zeros((1, 3))
+        low, high = own.min(axis=0), own.max(axis=0)
+        found.append([[(low, high)[k >> a & 1][a] for a in range(3)] for k in range(8)])
+    return np.array(found)
+
+
+def window_around(windows: NDArray[np.float64], margin: float = 0.0) -> Window | None:
+    """One around these (N, 4), wider by a share of the body's extent; None for all of the
+    picture."""
+    low, high = windows[:, :2].min(axis=0), windows[:, 2:].max(axis=0)
+    if not np.isfinite([low, high]).all():
+        return None
+    extent = float((windows[:, 2:] - windows[:, :2]).max())
+    left, top, right, bottom = np.clip([*low, *high], -FAR_PX, FAR_PX).round().astype(int).tolist()
+    return Window(left, top, right, bottom).grown(EDGE_PX + margin * extent)
+
+
+def show(scene: Scene, clip: Clip, trajectory: Trajectory) -> Prepared:
+    """The pictures of a clip, which show the body wherever a trajectory has it."""
+    return show_posed(scene, clip, scene.transforms(trajectory))
+
+
+def show_posed(scene: Scene, clip: Clip, Ts: Array) -> Prepared:
+    """The same of poses with the transforms (N, P, 4, 4)."""
+    windows = body_windows(scene, Ts)
+    return clip.cover(window_around(windows), window_around(windows, MARGIN))
+
+
+def follow_within(
+    scene: Scene, clip: Clip, start: Poses, follow: Callable[[Prepared], Poses], *, is_chain: bool
+) -> Poses:
+    """Follow the body from some poses to others, again in wider pictures where it leaves them.
+
+    is_chain: each pose follows from the one before, so that none counts after the first that left.
+    """
+    windows = body_windows(scene, part_transforms(scene.skeleton, *start))
+    shown = clip.cover(window_around(windows), window_around(windows, MARGIN))
+    for turn in range(MOST_TURNS):
+        poses = follow(shown)
+        led = body_windows(scene, part_transforms(scene.skeleton, *poses))
+        if _shows(clip, shown, led):
+            return poses
+        left = np.array([not _shows(clip, shown, each) for each in led[:, None]])
+        if is_chain:
+            led = led[: int(left.argmax()) + 1]
+        wider = window_around(np.concatenate([windows, led]), MARGIN)
+        shown = clip.cover(wider if turn < MOST_TURNS - 1 else None)
+    return follow(shown)
+
+
+def _shows(clip: Clip, shown: Prepared, windows: NDArray[np.float64]) -> bool:
+    """Whether pictures show all of these windows (N, 4) that lies within the picture."""
+    wanted = clip.within(window_around(windows))
+    return wanted is None or shown.holds(wanted)
