@@ -39,7 +39,7 @@ from keypose.tracker.tracking.initial.templates.search import GreyPicture, cut, 
 from keypose.tracker.tracking.method import FULL, PREVIEW
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.video.pyramid import LEVELS, Clip, prepare
+from keypose.tracker.video.pyramid import LEVELS, Clip, in_grey_levels, prepare
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ def _refinement(box: BoxScene) -> None:
 
 def _templates(box: BoxScene) -> None:
     """Find a piece of a picture in itself."""
-    picture = box.segment.clip.levels[0][0]
+    picture = in_grey_levels(box.segment.clip.levels[0][0])
     template = cut(picture, np.array([24.0, 24.0]), 6)
     patch = Patch.cut(picture, (24.0, 24.0, 0.0, 0.0), 6, picture[..., 3] > 0)
     assert template is not None

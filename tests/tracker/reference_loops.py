@@ -14,7 +14,7 @@ from keypose.tracker.geometry.rotations import (
     nearest_rotation,
     rotation_between,
 )
-from keypose.tracker.kernels.layout import BodyArrays, Lens, Visibility
+from keypose.tracker.kernels.layout import STEPS, BodyArrays, Lens, Visibility
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -95,18 +95,18 @@ def see(
     return np.column_stack([uv, p[:, 2]]), seen
 
 
-def bilinear(picture: NDArray[np.float32], uv: Floats) -> Floats:
-    """Channels (N, 4) of a picture between its pixels."""
+def bilinear(picture: NDArray[np.int16], uv: Floats) -> Floats:
+    """Channels (N, 4) of a picture between its pixels, grey levels and share that is usable."""
     column, row = np.floor(uv[:, 0]).astype(int), np.floor(uv[:, 1]).astype(int)
     fu, fv = (uv[:, 0] - column)[:, None], (uv[:, 1] - row)[:, None]
-    E = picture.astype(float)
+    E = picture / STEPS
     upper = E[row, column] * (1 - fu) + E[row, column + 1] * fu
     lower = E[row + 1, column] * (1 - fu) + E[row + 1, column + 1] * fu
     return upper * (1 - fv) + lower * fv
 
 
 def pick(
-    body: BodyArrays, uvz: NDArray[np.float32], seen: Bools, picture: NDArray[np.float32],
+    body: BodyArrays, uvz: NDArray[np.float32], seen: Bools, picture: NDArray[np.int16],
     scale: float, of: int, every: int,
 ) -> tuple[list[int], list[int]]:  # fmt: skip
     """Indices of the points to follow, and where each part's begin among them."""
@@ -146,7 +146,7 @@ class Rows:
 
 def rows_of(
     body: BodyArrays, chosen: NDArray[np.int64], grey: Floats, HR: Floats, Ho: Floats,
-    centre: Floats, picture: NDArray[np.float32], lens: Lens, seen: Bools | None = None,
+    centre: Floats, picture: NDArray[np.int16], lens: Lens, seen: Bools | None = None,
 ) -> Rows:  # fmt: skip
     """One row of A for every followed point, at the target pose."""
     height, width = picture.shape[:2]

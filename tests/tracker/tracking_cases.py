@@ -18,6 +18,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.tracking.cycle import Outcome, track_segment
 from keypose.tracker.tracking.method import Method
@@ -117,10 +118,11 @@ def waves_at(seed: int, uv: Floats) -> Floats:
     return total
 
 
-def smooth_picture(seed: int, width: int = WIDTH, height: int = HEIGHT) -> NDArray[np.float32]:
+def smooth_picture(seed: int, width: int = WIDTH, height: int = HEIGHT) -> NDArray[np.int16]:
     """(height, width, 4) the waves as a prepared picture, all of it usable."""
     uv = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(float)
-    return np.concatenate([waves_at(seed, uv), np.ones((height, width, 1))], -1).astype(np.float32)
+    shown = np.concatenate([waves_at(seed, uv), np.ones((height, width, 1))], -1)
+    return np.rint(STEPS * shown).astype(np.int16)
 
 
 @dataclass

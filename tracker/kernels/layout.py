@@ -10,6 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+STEPS = 128
+"""Of a grey level in prepared pictures, which are int16: 255 of them fit, and so do gradients. Half
+the memory of single precision, read as quickly, and 60 times finer than a camera's own steps."""
+
 
 class BodyArrays(NamedTuple):
     """A body and the points laid on its surface, sorted by part.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.layout import STEPS
 
 f4 = np.float32
 # Unsigned indices: signed ones are checked for counting from the end.
@@ -135,7 +136,7 @@ def pick(body, uvz, seen, picture, lens, scale, of, every, chosen, grey, starts)
             across, down = np.uint64(column - lens.left), np.uint64(row - lens.top)
             if picture[down, across, USE] < body.least[i]:
                 continue
-            gx, gy = picture[down, across, Y], picture[down, across, Z]
+            gx, gy = f4(picture[down, across, Y]), f4(picture[down, across, Z])
             if group == 0 or gx * gx + gy * gy > best:
                 best = gx * gx + gy * gy
                 chosen[count] = q
@@ -153,11 +154,11 @@ def pick(body, uvz, seen, picture, lens, scale, of, every, chosen, grey, starts)
 
 @compiled
 def brightness(picture, lens, u, v):
-    """Brightness between four pixels; u, v must leave room for the pixel right and below."""
+    """Grey levels between four pixels; u, v must leave room for the pixel right and below."""
     column = max(min(int(u), lens.left + picture.shape[1] - 2), lens.left)
     row = max(min(int(v), lens.top + picture.shape[0] - 2), lens.top)
     fu, fv = u - f4(column), v - f4(row)
     x, y = column - lens.left, row - lens.top
-    upper = picture[y, x, 0] * (f4(1) - fu) + picture[y, x + 1, 0] * fu
-    lower = picture[y + 1, x, 0] * (f4(1) - fu) + picture[y + 1, x + 1, 0] * fu
-    return upper * (f4(1) - fv) + lower * fv
+    upper = f4(picture[y, x, 0]) * (f4(1) - fu) + f4(picture[y, x + 1, 0]) * fu
+    lower = f4(picture[y + 1, x, 0]) * (f4(1) - fu) + f4(picture[y + 1, x + 1, 0]) * fu
+    return (upper * (f4(1) - fv) + lower * fv) * f4(1 / STEPS)

@@ -11,10 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.tracker.kernels import compiled
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.kernels.noise import FAR, LOST
 from keypose.tracker.kernels.robust import HUBER, TUKEY
 
 f4 = np.float32
+GREY = f4(1 / STEPS)
 X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 BLOCK = 256
@@ -59,21 +61,22 @@ def gather(body, chosen, grey, begin, last, R, o, picture, lens, seen, need_seen
         k11 = k01 + np.uint64(1)
         k = np.uint64(count)
         e = (
-            pixels[k00, X] * w00 + pixels[k10, X] * w10
-            + pixels[k01, X] * w01 + pixels[k11, X] * w11
+            f4(pixels[k00, X]) * w00 + f4(pixels[k10, X]) * w10
+            + f4(pixels[k01, X]) * w01 + f4(pixels[k11, X]) * w11
         )  # fmt: skip
         eu = (
-            pixels[k00, Y] * w00 + pixels[k10, Y] * w10
-            + pixels[k01, Y] * w01 + pixels[k11, Y] * w11
+            f4(pixels[k00, Y]) * w00 + f4(pixels[k10, Y]) * w10
+            + f4(pixels[k01, Y]) * w01 + f4(pixels[k11, Y]) * w11
         )  # fmt: skip
         ev = (
-            pixels[k00, Z] * w00 + pixels[k10, Z] * w10
-            + pixels[k01, Z] * w01 + pixels[k11, Z] * w11
+            f4(pixels[k00, Z]) * w00 + f4(pixels[k10, Z]) * w10
+            + f4(pixels[k01, Z]) * w01 + f4(pixels[k11, Z]) * w11
         )  # fmt: skip
         use = (
-            pixels[k00, USE] * w00 + pixels[k10, USE] * w10
-            + pixels[k01, USE] * w01 + pixels[k11, USE] * w11
+            f4(pixels[k00, USE]) * w00 + f4(pixels[k10, USE]) * w10
+            + f4(pixels[k01, USE]) * w01 + f4(pixels[k11, USE]) * w11
         )  # fmt: skip
+        e, eu, ev, use = e * GREY, eu * GREY, ev * GREY, use * GREY
         taps[k, X], taps[k, Y], taps[k, Z], taps[k, USE] = e, eu, ev, use
         if use < f4(0.3):
             continue

@@ -26,9 +26,11 @@ from keypose.tracker.video.pyramid import (
     TARGET_ONLY,
     USABLE,
     Clip,
+    FloatPicture,
     Overview,
     Picture,
     Prepared,
+    Usable,
     Window,
     level_sizes,
     prepare_window,
@@ -45,6 +47,8 @@ LEAST_WINDOW = 32
 """Pixels: where a body is hardly in the picture, its window is widened by so much at once."""
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
+PIXEL_BYTES = 22
+"""Four numbers of 16 bits at every level, and as many again while a window is widened."""
 LONGEST_SEGMENT = 2000
 """Most frames between two keyframes that can be tracked."""
 FAR_OUT = 1e6
@@ -73,7 +77,7 @@ class WorkingSize:
     def for_camera(cls, camera: Camera, longest: int, memory: int = MEMORY_BYTES) -> WorkingSize:
         """The size at which the longest segment (frames) fits the memory."""
         halvings, pixels = 0, float(camera.width * camera.height)
-        while pixels > WORKING_PIXELS or pixels * 22 * longest > memory:
+        while pixels > WORKING_PIXELS or pixels * PIXEL_BYTES * longest > memory:
             halvings, pixels = halvings + 1, pixels / 4
         return cls(halvings)
 
@@ -119,7 +123,7 @@ class ClipLoader:
     turns: Array | None = None
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _damaged: set[int] = field(default_factory=set)
-    _plate: Picture | None = None
+    _plate: FloatPicture | None = None
     _around: Panorama | None = None
     _beyond: NDArray[np.bool_] | None = None
     _lock: Any = field(default_factory=RLock)
@@ -216,7 +220,7 @@ class ClipLoader:
 
     def _missing(
         self, first: int, last: int, taken: Collection[int]
-    ) -> Iterator[tuple[int, NDArray[np.uint8], Picture | None]]:
+    ) -> Iterator[tuple[int, NDArray[np.uint8], Usable | None]]:
         """Every other frame in grey, and what its pixels may be used for."""
         for start, stop in _gaps(first, last + 1, taken):
             reached = start
@@ -233,11 +237,11 @@ class ClipLoader:
 
     def _prepare(
         self, index: int, rgb: NDArray[np.uint8] | None
-    ) -> tuple[NDArray[np.uint8], Picture | None]:
+    ) -> tuple[NDArray[np.uint8], Usable | None]:
         if rgb is None:
             working = self.size.camera(self.camera)
             grey = np.zeros((working.height, working.width), np.uint8)
-            return grey, np.full(grey.shape, IGNORED, np.float32)
+            return grey, np.full(grey.shape, IGNORED, np.uint8)
         grey = self._grey(rgb, index)
         return grey, self._usable(index, grey)
 
@@ -252,14 +256,14 @@ class ClipLoader:
             picture = self.steady.picture(picture, frame)
         return self.size.picture(picture)
 
-    def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
+    def _usable(self, index: int, grey: NDArray[np.uint8]) -> Usable | None:
         """Return what each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
         beyond = self.steady is not None and not self.steady.covers(index)
         plate = self.static_camera or self.turns is not None
         if not (masks or plate or self.camera.is_distorted or beyond):
             return None
-        usable = np.full(grey.shape, USABLE, np.float32)
+        usable = np.full(grey.shape, USABLE, np.uint8)
         if plate:
             usable[self._is_background(grey, index)] = TARGET_ONLY
         if masks:
@@ -320,7 +324,7 @@ class ClipLoader:
                     shown.append(Shown(made(rgb, frame), known, self.turns[frame]))
         return panorama_of(self.size.camera(self.camera), shown)
 
-    def _median_picture(self) -> Picture:
+    def _median_picture(self) -> FloatPicture:
         """The static background: every pixel's median over frames spread over the video."""
         count = self.video.info.frame_count
         frames = np.unique(np.linspace(0, count - 1, PLATE_FRAMES).round().astype(int))
@@ -347,10 +351,10 @@ class _Making:
     def of(cls, first: int, last: int, window: Window, whole: Window) -> _Making:
         """Room for all frames."""
         count = last - first + 1
-        levels = tuple(np.empty((count, h, w, 4), np.float32) for h, w in window.sizes)
+        levels = tuple(np.empty((count, h, w, 4), np.int16) for h, w in window.sizes)
         return cls(first, last, window, levels, Overview.empty(count, whole))
 
-    def put(self, frame: int, grey: NDArray[np.uint8], usable: Picture | None) -> None:
+    def put(self, frame: int, grey: NDArray[np.uint8], usable: Usable | None) -> None:
         """Prepare a frame's pictures."""
         index = frame - self.first
         for level, picture in zip(

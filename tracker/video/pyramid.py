@@ -1,4 +1,7 @@
-"""Pictures made ready for the loops: brightness, its gradient, and what may be used, by level."""
+"""Pictures made ready for the loops: brightness, its gradient, and what may be used, by level.
+
+All three in whole steps of 1/128 of a grey level, or of what is wholly usable.
+"""
 
 from __future__ import annotations
 
@@ -9,33 +12,50 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from keypose.tracker.kernels.layout import STEPS
+
 if TYPE_CHECKING:
     from keypose.tracker.kernels.layout import Lens
 
 LEVELS = 3
 BLUR_PX = 0.8
-USABLE, TARGET_ONLY, IGNORED = 1.0, 0.5, 0.0
+USABLE, TARGET_ONLY, IGNORED = STEPS, STEPS // 2, 0
 
-Picture = NDArray[np.float32]
+Picture = NDArray[np.int16]
+Usable = NDArray[np.uint8]
+"""What each pixel may be used for."""
+FloatPicture = NDArray[np.float32]
+"""A picture, or brightness alone, in grey levels."""
 
 
-def prepare(grey: NDArray[np.uint8], usable: Picture | None, levels: int) -> list[Picture]:
-    """Pyramid of one picture: level k is (h / 2^k, w / 2^k, 4) float32 of [E, E_u, E_v, use].
+def prepare(grey: NDArray[np.uint8], usable: Usable | None, levels: int) -> list[Picture]:
+    """Pyramid of one picture: level k is (h / 2^k, w / 2^k, 4) int16 of [E, E_u, E_v, use].
 
     grey: (h, w) brightness. usable: (h, w) USABLE, TARGET_ONLY (not a source: the background) or
     IGNORED, or None where all is. E is blurred a little, the gradient is Scharr's, per pixel.
     Around what is ignored a rim is ignored too, as wide as blur and gradient reach.
     """
     current = _float(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX))
-    use = np.ones_like(current) if usable is None else _with_rim(usable)
+    use = None if usable is None else _with_rim(usable)
     pyramid = []
     for level in range(levels):
         if level:
             current = _float(cv2.pyrDown(current))
-            use = _with_rim(use)[::2, ::2] if usable is not None else np.ones_like(current)
-        gradients = (cv2.Scharr(current, cv2.CV_32F, du, 1 - du, scale=1 / 32.0) for du in (1, 0))
-        pyramid.append(_float(cv2.merge([current, *gradients, np.ascontiguousarray(use)])))
+            use = None if use is None else _with_rim(use)[::2, ::2]
+        picture = np.empty((*current.shape, 4), np.int16)
+        picture[..., 0] = np.rint(STEPS * current)
+        for channel, du in ((1, 1), (2, 0)):
+            slope = cv2.Scharr(current, cv2.CV_32F, du, 1 - du, scale=STEPS / 32.0)
+            picture[..., channel] = np.rint(slope)
+        picture[..., 3] = USABLE if use is None else use
+        pyramid.append(picture)
     return pyramid
+
+
+def in_grey_levels(picture: Picture) -> FloatPicture:
+    """The same picture as single precision, brightness and gradient in grey levels; what it may be
+    used for as it is."""
+    return picture.astype(np.float32) * np.array([1 / STEPS] * 3 + [1], np.float32)
 
 
 def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
@@ -47,19 +67,19 @@ def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
     return sizes
 
 
-def _float(image: ArrayLike) -> Picture:
+def _float(image: ArrayLike) -> FloatPicture:
     """OpenCV's result with its exact type, which its own signatures lack."""
     return np.asarray(image, np.float32)
 
 
-def _with_rim(usable: Picture) -> Picture:
+def _with_rim(usable: Usable) -> Usable:
     """The same with a rim of four pixels ignored as well.
 
     Blur, gradient and interpolation reach that far together.
     """
     ignored = (usable == IGNORED).astype(np.uint8)
     near = cv2.dilate(ignored, np.ones((9, 9), np.uint8)) > 0
-    return np.where(near, np.float32(IGNORED), usable)
+    return np.where(near, np.uint8(IGNORED), usable)
 
 
 class Window(NamedTuple):
@@ -134,9 +154,7 @@ pixels from the coarsest level. A multiple of what OpenCV computes at once, so t
 pixels have the very numbers of the whole picture's."""
 
 
-def prepare_window(
-    grey: NDArray[np.uint8], usable: Picture | None, window: Window
-) -> list[Picture]:
+def prepare_window(grey: NDArray[np.uint8], usable: Usable | None, window: Window) -> list[Picture]:
     """All levels of a window of a picture, with the numbers of `prepare`, as views."""
     height, width = grey.shape
     around = window.grown(HALO).aligned(HALO).within(Window.whole(width, height))
@@ -159,9 +177,9 @@ class Overview(NamedTuple):
     def empty(cls, count: int, window: Window) -> Overview:
         """Room for the pictures of so many frames."""
         size = window.sizes[-1]
-        return cls(np.empty((count, *size), np.uint8), np.empty((count, *size), np.float16))
+        return cls(*(np.empty((count, *size), np.uint8) for _ in range(2)))
 
-    def put(self, index: int, grey: NDArray[np.uint8], usable: Picture | None) -> None:
+    def put(self, index: int, grey: NDArray[np.uint8], usable: Usable | None) -> None:
         """Take one picture at its full size."""
         coarse = grey
         for _ in range(LEVELS - 1):
@@ -172,7 +190,7 @@ class Overview(NamedTuple):
 
 
 class Prepared(NamedTuple):
-    """What a clip shows at a time: one array (n, h, w, 4) float32 for each pyramid level, finest
+    """What a clip shows at a time: one array (n, h, w, 4) int16 for each pyramid level, finest
     first, of a window of the picture; None for all of it."""
 
     levels: tuple[Picture, ...]
@@ -260,7 +278,7 @@ class Clip:
         if self._overview is not None:
             return self._overview
         coarsest = self.levels[-1]
-        return Overview(coarsest[..., 0], coarsest[..., 3])
+        return Overview(coarsest[..., 0] / STEPS, coarsest[..., 3])
 
     def slots(self, first_frame: int, last_frame: int) -> NDArray[np.int64]:
         """Return where the frames first_frame … last_frame lie in the arrays; IndexError beyond

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from keypose.tracker.kernels.matching import UNUSABLE, find_exhaustively, find_sequentially
 from keypose.tracker.kernels.settling import settle
 from keypose.tracker.tracking.initial.templates.search import GreyPicture, cut, find_match, outwards
+from keypose.tracker.video.pyramid import in_grey_levels
 from tests.tracker.tracking_cases import smooth_picture, waves_at
 
 Grey = NDArray[np.int16]
@@ -109,7 +110,7 @@ def test_uncapped_the_sum_is_the_printed_one() -> None:
 
 
 def test_the_sequential_search_looks_at_a_part_only() -> None:
-    picture = np.rint(smooth_picture(4)[..., 0]).astype(np.int16)
+    picture = np.rint(in_grey_levels(smooth_picture(4))[..., 0]).astype(np.int16)
     template = picture[40:61, 70:91].copy()
     rows = np.arange(21)
     wanted = np.ones_like(template)
@@ -118,7 +119,7 @@ def test_the_sequential_search_looks_at_a_part_only() -> None:
 
 
 def test_ignored_pixels_are_not_part_of_a_template() -> None:
-    picture = smooth_picture(6)
+    picture = in_grey_levels(smooth_picture(6))
     picture[50:, :, 3] = 0.0
     template = cut(picture, np.array([80.0, 50.0]), 6)
     assert template is not None
@@ -128,7 +129,7 @@ def test_ignored_pixels_are_not_part_of_a_template() -> None:
 
 
 def test_a_template_keeps_the_fraction_of_its_place() -> None:
-    picture = smooth_picture(7)
+    picture = in_grey_levels(smooth_picture(7))
     template = cut(picture, np.array([60.3, 41.8]), 7)
     assert template is not None
     match = find_match(template, GreyPicture.of(picture), np.array([63.3, 39.8]), 6)
@@ -182,7 +183,7 @@ def test_settling_agrees_with_its_plain_twin() -> None:
 
 
 def test_settling_finds_a_known_turn_to_a_fraction_of_a_pixel() -> None:
-    picture = smooth_picture(9)
+    picture = in_grey_levels(smooth_picture(9))
     side = np.stack(np.meshgrid(np.arange(-9, 10), np.arange(-9, 10)), -1).reshape(-1, 2)
     true = np.array([74.3, 61.7, 0.15, 0.08])
     c, s = np.exp(true[3]) * np.array([np.cos(true[2]), np.sin(true[2])])

@@ -40,7 +40,7 @@ Floats = NDArray[np.float64]
 every_camera = pytest.mark.parametrize("camera", CAMERAS.values(), ids=CAMERAS)
 
 
-def pictures(count: int, seed: int) -> NDArray[np.float32]:
+def pictures(count: int, seed: int) -> NDArray[np.int16]:
     """Pictures that shift a little from one to the next, with a corner that is ignored."""
     base = smooth_picture(seed, WIDTH + count, HEIGHT)
     moving = np.stack([base[:, k : k + WIDTH] for k in range(count)])
@@ -49,7 +49,7 @@ def pictures(count: int, seed: int) -> NDArray[np.float32]:
 
 
 def followed(
-    scene: Scene, pose: Pose, picture: NDArray[np.float32], of: int
+    scene: Scene, pose: Pose, picture: NDArray[np.int16], of: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int64]]:
     """Points that a pose shows in a picture, their brightness there, and the parts' borders."""
     HR, Ho = plain.place_parts(scene.arrays, pose.Rs_parent_part, pose.p_camera_root)
@@ -62,7 +62,7 @@ def followed(
 
 def rows(
     scene: Scene, chosen: NDArray[np.int32], grey: NDArray[np.float32], pose: Pose,
-    picture: NDArray[np.float32],
+    picture: NDArray[np.int16],
 ) -> tuple[plain.Rows, Floats]:  # fmt: skip
     """The rows at a target pose, and the dense A of them."""
     HR, Ho = plain.place_parts(scene.arrays, pose.Rs_parent_part, pose.p_camera_root)

@@ -16,6 +16,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.kernels.pairs import scaled_lens
 from keypose.tracker.kernels.seeing import brightness, pick, see
 from keypose.tracker.tracking.scene import Scene, lens_of
+from keypose.tracker.video.pyramid import IGNORED, TARGET_ONLY
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERA,
@@ -56,7 +57,7 @@ def looked_at(scene: Scene, pose: Pose) -> Seen:
 
 
 def followed(
-    scene: Scene, shown: Seen, picture: NDArray[np.float32], scale: float, of: int, every: int
+    scene: Scene, shown: Seen, picture: NDArray[np.int16], scale: float, of: int, every: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int64]]:
     size = len(scene.points.points)
     chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
@@ -127,8 +128,8 @@ def test_the_same_points_are_picked_as_by_the_twin(
     scene = scene_of(skeleton, camera)
     shown = looked_at(scene, aside(random_pose(skeleton, of), 0.5))
     picture = smooth_picture(of, round(WIDTH * scale), round(HEIGHT * scale))
-    picture[: round(50 * scale), : round(90 * scale), 3] = 0.5
-    picture[round(70 * scale) :, : round(90 * scale), 3] = 0.0
+    picture[: round(50 * scale), : round(90 * scale), 3] = TARGET_ONLY
+    picture[round(70 * scale) :, : round(90 * scale), 3] = IGNORED
     chosen, grey, starts = followed(scene, shown, picture, scale, of, every)
     expected, borders = plain.pick(
         scene.arrays, shown.uvz, shown.seen == 1, picture, scale, of, every
@@ -144,7 +145,7 @@ def test_nothing_is_picked_from_a_picture_that_may_not_be_a_source() -> None:
     skeleton = random_body(5)
     scene = scene_of(skeleton)
     shown = looked_at(scene, random_pose(skeleton, 5))
-    for use in (0.0, 0.5):
+    for use in (IGNORED, TARGET_ONLY):
         picture = smooth_picture(5)
         picture[..., 3] = use
         chosen, _, starts = followed(scene, shown, picture, 1.0, 1, 1)

@@ -16,6 +16,7 @@ from keypose.tracker.kernels.pairs import linearise
 from keypose.tracker.kernels.robust import HUBER, LEAST_SQUARES, TUKEY
 from keypose.tracker.kernels.sums import BLOCK, sum_points
 from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.video.pyramid import IGNORED
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import (
     CAMERA,
@@ -42,7 +43,7 @@ class Pair:
 
     scene: Scene
     pose: Pose
-    picture: NDArray[np.float32]
+    picture: NDArray[np.int16]
     chosen: NDArray[np.int32]
     grey: NDArray[np.float32]
     starts: NDArray[np.int64]
@@ -60,8 +61,8 @@ def pair(seed: int, camera: Camera, sideways: float = 1.0, masked: bool = True) 
     place = pose.p_camera_root + (np.array([sideways, 0, 0]))
     picture = smooth_picture(seed)
     if masked:
-        picture[:60, :, 3] = 0.0
-        picture[:, :120, 3] *= 0.5
+        picture[:60, :, 3] = IGNORED
+        picture[:, :120, 3] //= 2
     grey = rng.normal(120, 15, len(chosen)).astype(np.float32)
     seen = (rng.random(len(scene.points.points)) < 0.7).astype(np.uint8)
     return Pair(scene, Pose(pose.Rs_parent_part, place), picture, chosen, grey, starts, seen)
@@ -129,7 +130,7 @@ def test_a_part_without_points_sums_to_nothing(camera: Camera) -> None:
 
 def test_nothing_is_summed_where_all_is_ignored_or_out_of_the_picture() -> None:
     p = pair(3, CAMERA)
-    p.picture[..., 3] = 0.0
+    p.picture[..., 3] = IGNORED
     for gone in (p, pair(3, CAMERA, sideways=50.0)):
         N, histogram, count = summed(gone, "tukey", 5.0, True, False)
         assert count == 0
@@ -141,7 +142,7 @@ def test_nothing_is_summed_where_all_is_ignored_or_out_of_the_picture() -> None:
 def test_what_ignored_pixels_show_does_not_matter() -> None:
     p = pair(4, CAMERA)
     before = summed(p, "huber", 10.0, False, False)
-    p.picture[:59, :, :3] = 1e6
+    p.picture[:59, :, :3] = 2**15 - 1
     after = summed(p, "huber", 10.0, False, False)
     np.testing.assert_array_equal(before[0], after[0])
     assert before[2] == after[2]

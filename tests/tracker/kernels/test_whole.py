@@ -34,7 +34,7 @@ class Problem:
 
     scene: Scene
     path: Trajectory
-    pictures: NDArray[np.float32]
+    pictures: NDArray[np.int16]
     chosen: NDArray[np.int32]
     grey: NDArray[np.float32]
     starts: NDArray[np.int64]

@@ -80,7 +80,7 @@ def test_without_anything_to_see_the_path_becomes_smooth_and_stays_finite(
     box: Case, value: int | None
 ) -> None:
     pictures: NDArray[np.uint8] = np.full_like(box.pictures, value or 0)
-    usable = None if value else np.full(pictures.shape[1:3], IGNORED, np.float32)
+    usable = None if value else np.full(pictures.shape[1:3], IGNORED, np.uint8)
     start = disturbed(box, 0.02)
     found = refine(box.scene(), clip_of(pictures, usable), start, HOW)
     assert np.isfinite(found.Rs_parent_part).all()

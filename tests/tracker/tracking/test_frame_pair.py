@@ -238,7 +238,7 @@ def test_where_nothing_shows_everything_follows_the_prediction(box: Case, pictur
     if pictured == "one grey":
         pictures = np.full_like(pictures, 128)
     if pictured == "all ignored":
-        usable = np.full(pictures.shape[1:3], IGNORED, np.float32)
+        usable = np.full(pictures.shape[1:3], IGNORED, np.uint8)
     clip = clip_of(pictures, usable)
     if pictured == "target ignored":
         clip.levels[0][1, ..., 3] = IGNORED

@@ -13,7 +13,7 @@ from keypose.tracker.video.pyramid import Clip
 
 
 def clip() -> Clip:
-    return Clip(0, (np.zeros((1, 2, 2, 4), np.float32),))
+    return Clip(0, (np.zeros((1, 2, 2, 4), np.int16),))
 
 
 def test_a_result_is_found_once_a_key_and_the_oldest_go() -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video.clip_loader import (
     LONGEST_SEGMENT,
@@ -61,7 +62,7 @@ def test_a_clip_holds_its_frames_in_order_at_every_level() -> None:
     assert (clip.first_frame, len(clip), len(clip.levels)) == (3, 5, LEVELS)
     for level in clip.levels:
         for k in range(5):
-            np.testing.assert_allclose(level[k, ..., 0], 10 * (3 + k), atol=1e-3)
+            np.testing.assert_array_equal(level[k, ..., 0], 10 * (3 + k) * STEPS)
         assert (level[..., 3] == USABLE).all()
 
 
@@ -88,7 +89,7 @@ def test_a_mask_drawn_on_a_distorted_picture_covers_what_was_meant() -> None:
     pictures = np.full((1, HEIGHT, WIDTH, 3), 100, np.uint8)
     pictures[0, 5:16, 5:16] = 250
     clip = loader(pictures, bent, masks=(square(3, 17),)).load(0, 0)
-    E, use = clip.levels[0][0, ..., 0], clip.levels[0][0, ..., 3]
+    E, use = clip.levels[0][0, ..., 0] / STEPS, clip.levels[0][0, ..., 3]
     inside = E > 150
     assert inside.sum() > 60
     assert (use[inside] == IGNORED).all()
@@ -98,7 +99,7 @@ def test_what_rectifying_leaves_empty_is_ignored() -> None:
     pincushion = CAMERA.model_copy(update={"distortion": (0.3, 0.0, 0.0, 0.0, 0.0)})
     pictures = np.full((1, HEIGHT, WIDTH, 3), 200, np.uint8)
     level = loader(pictures, pincushion).load(0, 0).levels[0][0]
-    empty = level[..., 0] < 50
+    empty = level[..., 0] < 50 * STEPS
     assert empty.any()
     assert (level[empty, 3] == IGNORED).all()
 
@@ -159,7 +160,7 @@ def test_a_long_segment_is_made_to_fit_the_memory() -> None:
 
 
 def test_of_the_clips_those_used_last_stay_as_far_as_the_memory_goes() -> None:
-    one = 3 * WIDTH * HEIGHT * 16
+    one = 3 * WIDTH * HEIGHT * 8
     kept = []
     for memory in (10, *(PROCESS_BYTES + one * k for k in range(1, 30)), 10**9):
         clips = loader(noise(12), memory=int(memory))

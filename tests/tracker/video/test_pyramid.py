@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.kernels.noise import BINS
 from keypose.tracker.kernels.robust import HUBER
 from keypose.tracker.kernels.sums import BLOCK, sum_points
 from keypose.tracker.video.pyramid import (
+    BLUR_PX,
     IGNORED,
     LEVELS,
     TARGET_ONLY,
     USABLE,
     Clip,
+    Picture,
+    in_grey_levels,
     level_sizes,
     prepare,
 )
@@ -33,7 +37,7 @@ def ramp(du: float, dv: float, width: int = 96, height: int = 64) -> Grey:
 @pytest.mark.parametrize(("du", "dv"), [(2.0, 0.0), (0.0, 3.0), (1.0, 1.0), (1.0, 2.0)])
 def test_the_gradient_of_a_ramp_is_its_slope_at_every_level(du: float, dv: float) -> None:
     for level, picture in enumerate(prepare(ramp(du, dv), None, LEVELS)):
-        inner = picture[6:-6, 6:-6]
+        inner = in_grey_levels(picture)[6:-6, 6:-6]
         np.testing.assert_allclose(inner[..., 1], du * 2**level, atol=2e-3)
         np.testing.assert_allclose(inner[..., 2], dv * 2**level, atol=2e-3)
 
@@ -41,7 +45,7 @@ def test_the_gradient_of_a_ramp_is_its_slope_at_every_level(du: float, dv: float
 def test_the_gradient_is_that_of_the_blurred_brightness() -> None:
     noise = np.random.default_rng(0).integers(0, 256, (60, 80)).astype(np.uint8)
     grey = cv2.GaussianBlur(noise, (0, 0), 3.0)
-    for picture in prepare(np.asarray(grey), None, 2):
+    for picture in map(in_grey_levels, prepare(np.asarray(grey), None, 2)):
         E = picture[..., 0]
         du, dv = (E[1:-1, 2:] - E[1:-1, :-2]) / 2, (E[2:, 1:-1] - E[:-2, 1:-1]) / 2
         spread = np.std(du)
@@ -53,7 +57,23 @@ def test_the_gradient_is_that_of_the_blurred_brightness() -> None:
 def test_every_level_has_the_size_that_is_reported(size: tuple[int, int]) -> None:
     pictures = prepare(ramp(1.0, 0.0, *size), None, LEVELS)
     assert [p.shape for p in pictures] == [(*s, 4) for s in level_sizes(*size, LEVELS)]
-    assert all(p.dtype == np.float32 and (p[..., 3] == USABLE).all() for p in pictures)
+    assert all(p.dtype == np.int16 and (p[..., 3] == USABLE).all() for p in pictures)
+
+
+@pytest.mark.parametrize("pattern", ["checks", "columns", "rows", "noise"])
+def test_the_strongest_contrast_fits_a_picture_and_is_kept_to_a_part_of_a_grey_level(
+    pattern: str,
+) -> None:
+    rows, columns = np.mgrid[0:64, 0:96]
+    patterns = {
+        "checks": rows // 4 + columns // 4, "columns": columns // 2, "rows": rows,
+        "noise": np.random.default_rng(2).integers(0, 2, rows.shape),
+    }  # fmt: skip
+    grey = (255 * (patterns[pattern] % 2)).astype(np.uint8)
+    blurred = cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX)
+    picture = in_grey_levels(prepare(grey, None, 1)[0])
+    exact = [blurred, *(cv2.Scharr(blurred, -1, du, 1 - du, scale=1 / 32) for du in (1, 0))]
+    assert np.abs(picture[..., :3] - np.stack(exact, axis=-1)).max() <= 0.5 / STEPS + 1e-4
 
 
 def test_a_pixel_of_a_coarser_level_lies_on_every_second_of_the_finer_one() -> None:
@@ -67,7 +87,7 @@ def test_a_pixel_of_a_coarser_level_lies_on_every_second_of_the_finer_one() -> N
 
 
 def test_around_what_is_ignored_a_rim_is_ignored_and_background_stays_a_target() -> None:
-    usable = np.full((64, 96), USABLE, np.float32)
+    usable = np.full((64, 96), USABLE, np.uint8)
     usable[30, 40] = IGNORED
     usable[:, 80:] = TARGET_ONLY
     use = prepare(ramp(1, 0), usable, LEVELS)[0][..., 3]
@@ -80,10 +100,10 @@ def test_around_what_is_ignored_a_rim_is_ignored_and_background_stays_a_target()
         assert (picture[..., 3][near] == IGNORED).all()
 
 
-def two_coverings() -> tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]:
+def two_coverings() -> tuple[list[Picture], list[Picture]]:
     """One picture, black in one and white in the other where both are ignored, at all levels."""
     grey = np.random.default_rng(1).integers(60, 180, (120, WIDTH)).astype(np.uint8)
-    usable = np.full(grey.shape, USABLE, np.float32)
+    usable = np.full(grey.shape, USABLE, np.uint8)
     usable[40:80, 50:90] = IGNORED
     dark, light = grey.copy(), grey.copy()
     dark[usable == IGNORED], light[usable == IGNORED] = 0, 255
@@ -94,7 +114,7 @@ def test_what_is_covered_shines_through_in_traces_only() -> None:
     for dark, light in zip(*two_coverings(), strict=True):
         used = dark[..., 3] > 0
         assert used.any()
-        assert np.abs(dark - light)[used].max() < 0.02 * 255
+        assert np.abs(in_grey_levels(dark) - in_grey_levels(light))[used].max() < 0.02 * 255
 
 
 def test_what_is_covered_does_not_move_the_body() -> None:
@@ -118,6 +138,6 @@ def test_what_is_covered_does_not_move_the_body() -> None:
 
 
 def test_a_clip_knows_where_its_frames_lie() -> None:
-    clip = Clip(7, (np.zeros((5, 4, 4, 4), np.float32),))
+    clip = Clip(7, (np.zeros((5, 4, 4, 4), np.int16),))
     assert len(clip) == 5
     np.testing.assert_array_equal(clip.slots(8, 10), [1, 2, 3])

@@ -26,6 +26,7 @@ from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.solver.posed import carried, joints_and_landmarks
 from keypose.tracker.solver.sigmas import CONTOUR_PX, POSED_JOINT_PX
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
+from keypose.tracker.video.pyramid import USABLE
 
 if TYPE_CHECKING:
     from keypose.tracker.video import Video
@@ -61,7 +62,7 @@ class Pictures:
         spread = np.linspace(0, video.info.frame_count - 1, PLATE_FRAMES).round().astype(int)
         others = sorted({int(frame) for frame in spread} - set(frames))
         rgb = [_colours(video, camera, size, frame) for frame in frames]
-        usable = [loader.load(frame, frame).levels[0][0, ..., 3] >= 1 for frame in frames]
+        usable = [loader.load(frame, frame).levels[0][0, ..., 3] >= USABLE for frame in frames]
         plates = plate_odds(rgb, [_colours(video, camera, size, frame) for frame in others])
         return cls(rgb, usable, [colour_cells(picture) for picture in rgb], plates)
 

@@ -23,6 +23,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, frozen
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import extent_px
@@ -143,8 +144,8 @@ class _Window:
     """
 
     shown: NDArray[np.int16]
-    use: NDArray[np.float32]
-    grey: NDArray[np.float32]
+    use: NDArray[np.int16]
+    grey: NDArray[np.float64]
     extent: float
     elsewhere: float
 
@@ -176,7 +177,7 @@ def _windows(
         inside = window.halved(coarsest - level).of(moving)
         rest = max(moving.size - inside.size, 1)
         elsewhere = float(moving.sum() - inside.sum()) / rest
-        yield _Window(part, use, picture[..., 0], float(extent), elsewhere)
+        yield _Window(part, use, picture[..., 0] / STEPS, float(extent), elsewhere)
 
 
 def _joined(windows: Sequence[Window | None]) -> Window:
@@ -194,7 +195,7 @@ def _by_outline(
         return used
     there = outline[:: 2**level, :: 2**level]
     there = there if window is None else window.of(there)
-    person = np.where(there, np.float32(USABLE), np.float32(TARGET_ONLY))
+    person = np.where(there, np.uint8(USABLE), np.uint8(TARGET_ONLY))
     return np.where(used == IGNORED, used, person)
 
 

@@ -16,6 +16,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.tracking.cues.silhouette import outlines_of, silhouette_mismatch
@@ -66,8 +67,8 @@ def covered(motion: Trajectory, camera: Camera = CAMERA) -> NDArray[np.bool_]:
 
 def clip_with(moving: NDArray[np.bool_], first_frame: int = 0) -> Clip:
     """A prepared clip in which exactly these pixels move, bright before what is dark."""
-    level = np.zeros((*moving.shape, 4), np.float32)
-    level[..., 0] = np.where(moving, 200.0, 50.0)
+    level = np.zeros((*moving.shape, 4), np.int16)
+    level[..., 0] = STEPS * np.where(moving, 200, 50)
     level[..., 3] = np.where(moving, USABLE, TARGET_ONLY)
     return Clip(first_frame, (level,))
 
@@ -221,7 +222,7 @@ def test_still_pixels_as_bright_as_the_part_say_nothing_against_it() -> None:
     wrong = turned(TRUTH, "left_thigh", 50.0, slice(8, 16))
     clear = silhouette_mismatch(SCENE, CLIP, wrong)
     level = CLIP.levels[0].copy()
-    level[..., 0] = 200.0
+    level[..., 0] = 200 * STEPS
     alike = silhouette_mismatch(SCENE, Clip(0, (level,)), wrong)
     assert clear.unmoved[8:16].min() > 0.02
     assert alike.unmoved.max() == 0.0
@@ -274,6 +275,6 @@ def test_beside_its_keyframes_a_motion_has_what_it_has_more() -> None:
 
 
 def test_without_a_background_no_motion_has_more_than_another() -> None:
-    level = np.ones((COUNT, CAMERA.height, CAMERA.width, 4), np.float32)
+    level = np.full((COUNT, CAMERA.height, CAMERA.width, 4), USABLE, np.int16)
     found = silhouette_mismatch(SCENE, Clip(0, (level,)), shifted(TRUTH, 0.2))
     assert not found.excess.any()

@@ -15,6 +15,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
 from keypose.tracker.keypoints.region import Region
@@ -50,9 +51,9 @@ def clip_that_shows(motion: Trajectory) -> Clip:
     for level in FILM.segment.clip.levels:
         step = shown.shape[1] // level.shape[1]
         body = shown[:, ::step, ::step]
-        grey, use = np.where(body, 200.0, level[..., 0]), np.where(body, USABLE, TARGET_ONLY)
+        grey, use = np.where(body, 200 * STEPS, level[..., 0]), np.where(body, USABLE, TARGET_ONLY)
         both = [grey[..., None], level[..., 1:3], use[..., None]]
-        levels.append(np.concatenate(both, axis=-1, dtype=np.float32))
+        levels.append(np.concatenate(both, axis=-1, dtype=np.int16, casting="unsafe"))
     return Clip(motion.first_frame, tuple(levels))
 
 

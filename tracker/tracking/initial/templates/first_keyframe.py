@@ -19,6 +19,7 @@ from keypose.tracker.tracking.initial.templates.patch import Rotatable
 from keypose.tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
+from keypose.tracker.video.pyramid import in_grey_levels
 
 TurnAt: TypeAlias = Callable[[int, Array], float]
 """Radians by which the template is turned in the n-th frame if it lies at this place (2,)."""
@@ -131,7 +132,7 @@ class FirstKeyframe:
         """Prepare what the first keyframe of one segment shows."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
         whole = segment.clip.cover(None).levels[0]  # parts are sought far around
-        shown = [GreyPicture.of(whole[slot]) for slot in slots]
+        shown = [GreyPicture.of(in_grey_levels(whole[slot])) for slot in slots]
         Ts = pose_transforms(scene.skeleton, segment.start)
         seen = raster(BodyMesh.of(scene.skeleton), Ts, ViewCamera.of(scene.camera))
         return cls(scene, segment, shown, seen.part)
@@ -148,7 +149,8 @@ class FirstKeyframe:
         half = int(np.clip(HALF_SHARE * extent, LEAST_HALF, MOST_HALF))
         slot = self.segment.clip.slots(self.segment.first_frame, self.segment.first_frame)[0]
         wide = cv2.dilate(wanted, np.ones((3, 3), np.uint8)) > 0
-        return Rotatable(self.segment.clip.levels[0][slot], wide, uv, half)
+        picture = in_grey_levels(self.segment.clip.cover(None).levels[0][slot])
+        return Rotatable(picture, wide, uv, half)
 
     def track(
         self, part: int, template: Rotatable, turn_at: TurnAt, keyed: Array, reach: int

@@ -12,7 +12,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.sigmas import ALONE_PX, MOST_SLIP_PX, RENEWED_PX, SLIP_PX, TRACK_PX
 from keypose.tracker.tracking.initial.templates.patch import Patch, PatchMatch, Place
 from keypose.tracker.tracking.initial.templates.search import GreyPicture, Match, find_match
-from keypose.tracker.video.pyramid import Picture
+from keypose.tracker.video.pyramid import FloatPicture
 
 SPREAD_RAD = np.radians(9.0)
 ALIKE, CORRELATED = 0.45, 0.5
@@ -93,7 +93,7 @@ class _Runner:
 
 
 def follow_point(
-    key: Patch, uv: Array, pictures: Sequence[Picture], shown: Sequence[GreyPicture],
+    key: Patch, uv: Array, pictures: Sequence[FloatPicture], shown: Sequence[GreyPicture],
     base: BaseCourse, reach: int,
 ) -> Course:  # fmt: skip
     """Follow the middle of a patch from the first of these pictures on.
@@ -124,7 +124,12 @@ def follow_point(
 
 
 def _locate(
-    key: Patch, recent: Patch, picture: Picture, shown: GreyPicture, expected: Place, reach: int
+    key: Patch,
+    recent: Patch,
+    picture: FloatPicture,
+    shown: GreyPicture,
+    expected: Place,
+    reach: int,
 ) -> tuple[PatchMatch, bool] | None:
     """The place, and whether the keyframe's patch decided it; None where it is not seen."""
     coarse = _search(recent, shown, expected, reach)

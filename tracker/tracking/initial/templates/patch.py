@@ -13,7 +13,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.settling import settle
 from keypose.tracker.solver.sigmas import PATCH_GREY2, PATCH_STRAY
 from keypose.tracker.tracking.initial.templates.search import Template, cut
-from keypose.tracker.video.pyramid import USABLE, Picture
+from keypose.tracker.video.pyramid import USABLE, FloatPicture
 
 STEP_RAD = np.radians(3.0)
 """Turns are rounded to this: less hardly changes a small template."""
@@ -23,10 +23,11 @@ STEP_RAD = np.radians(3.0)
 class Rotatable:
     """The surroundings of a place in one picture, as templates at any angle in the picture's plane.
 
-    picture: (h, w, 4) as in a clip. wanted: (h, w) the pixels that count. uv: (2,) the place.
+    picture: (h, w, 4) as in a clip, in grey levels. wanted: (h, w) the pixels that count.
+    uv: (2,) the place.
     """
 
-    picture: Picture
+    picture: FloatPicture
     wanted: NDArray[np.bool_]
     uv: Array
     half: int
@@ -100,7 +101,7 @@ class Patch:
         middle and their brightness. soft: grey levels beyond which a pixel counts less.
     """
 
-    piece: Picture
+    piece: FloatPicture
     turned: Rotatable
     xy: NDArray[np.float32]
     values: NDArray[np.float32]
@@ -108,7 +109,7 @@ class Patch:
 
     @classmethod
     def cut(
-        cls, picture: Picture, place: Place, half: int,
+        cls, picture: FloatPicture, place: Place, half: int,
         counts: NDArray[np.bool_],
     ) -> Patch | None:  # fmt: skip
         """Return what lies about a place of a picture, turned upright; None where too little
@@ -139,11 +140,11 @@ class Patch:
         soft = max(LEAST_SOFT, SOFT_SHARE * template.contrast)
         return cls(piece, turned, xy, piece[v[near], u[near], 0], soft)
 
-    def renew(self, picture: Picture, place: Place) -> Patch | None:
+    def renew(self, picture: FloatPicture, place: Place) -> Patch | None:
         """The same patch as another picture shows it."""
         return Patch.cut(picture, place, self.turned.half, self.turned.wanted)
 
-    def refine(self, picture: Picture, place: Place) -> PatchMatch:
+    def refine(self, picture: FloatPicture, place: Place) -> PatchMatch:
         """Its place to a fraction of a pixel, from a start at most a few pixels away."""
         at, spread = np.array(place, np.float64), np.empty(2)
         alike = settle(
@@ -155,7 +156,7 @@ class Patch:
         sigma = float(np.sqrt(PATCH_GREY2 * spread.mean()))
         return PatchMatch(place, float(alike), self._correlation(picture, place), sigma)
 
-    def _correlation(self, picture: Picture, place: Place) -> float:
+    def _correlation(self, picture: FloatPicture, place: Place) -> float:
         """Return how the brightness of the patch and that of the picture at a place go together."""
         u, v, turn, log_scale = place
         c, s = np.exp(log_scale) * np.cos(turn), np.exp(log_scale) * np.sin(turn)

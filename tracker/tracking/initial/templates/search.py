@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.matching import UNUSABLE, Grey, find_sequentially
-from keypose.tracker.video.pyramid import IGNORED, USABLE, Picture
+from keypose.tracker.video.pyramid import IGNORED, USABLE, FloatPicture
 
 MOST = 30
 """Grey levels that one pixel may count at most: what hides a part then costs little more than what
@@ -26,8 +26,8 @@ class GreyPicture:
     grey: Grey
 
     @classmethod
-    def of(cls, picture: Picture) -> GreyPicture:
-        """Prepare one (h, w, 4) picture of a clip."""
+    def of(cls, picture: FloatPicture) -> GreyPicture:
+        """Prepare one picture (h, w, 4) of a clip, in grey levels."""
         grey = np.where(picture[..., 3] != IGNORED, np.rint(picture[..., 0]), UNUSABLE)
         return cls(grey.astype(np.int16))
 
@@ -61,7 +61,7 @@ class Match:
 
 
 def cut(
-    picture: Picture, uv: Array, half: int, wanted: NDArray[np.bool_] | None = None
+    picture: FloatPicture, uv: Array, half: int, wanted: NDArray[np.bool_] | None = None
 ) -> Template | None:
     """The (2 half + 1)² pixels around a place; None where too few of them may be used.
 

@@ -30,7 +30,7 @@ from keypose.tracker.tracking.initial.templates.search import GreyPicture
 from keypose.tracker.tracking.method import FULL
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.video.pyramid import Picture
+from keypose.tracker.video.pyramid import FloatPicture, in_grey_levels
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,7 +299,7 @@ class _View:
     """
 
     scene: Scene
-    pictures: list[Picture]
+    pictures: list[FloatPicture]
     shown: list[GreyPicture]
     chains: Chains
     base: Trajectory
@@ -310,7 +310,7 @@ class _View:
         """Prepare one segment."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
         whole = segment.clip.cover(None).levels[0]  # places are sought far around
-        pictures = [whole[slot] for slot in slots]
+        pictures = [in_grey_levels(whole[slot]) for slot in slots]
         base = blend_chains(scene, *chains)
         mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
         Ts = base.transforms(scene.skeleton)
