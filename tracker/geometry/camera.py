@@ -9,6 +9,7 @@ writes it. A telephoto camera scales every point by one reference distance inste
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Annotated, Literal, Self, TypeAlias
 
 import cv2
@@ -149,7 +150,23 @@ class Camera(BaseModel):
         """The picture as `without_distortion()` would have taken it; itself with an ideal lens."""
         if not self.is_distorted:
             return image
-        return np.asarray(cv2.undistort(image, self.K, np.array(self.distortion)), dtype=np.uint8)
+        size = image.shape[1], image.shape[0]
+        shifts, fractions = _rectifying(self.K.tobytes(), self.distortion, size)
+        return np.asarray(cv2.remap(image, shifts, fractions, cv2.INTER_LINEAR), dtype=np.uint8)
+
+
+@lru_cache(maxsize=2)
+def _rectifying(
+    K: bytes, distortion: tuple[float, ...], size: tuple[int, int]
+) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
+    """Where each pixel of a rectified picture (width, height) comes from, as cv2.undistort has it,
+    which finds it anew for every picture: two thirds of its time."""
+    matrix = np.frombuffer(K).reshape(3, 3)
+    coefficients = np.array(distortion)
+    shifts, fractions = cv2.initUndistortRectifyMap(
+        matrix, coefficients, np.eye(3), matrix, size, cv2.CV_16SC2
+    )
+    return np.asarray(shifts, np.int16), np.asarray(fractions, np.uint16)
 
 
 def _distorted(xy: Array, coefficients: tuple[float, ...]) -> Array:

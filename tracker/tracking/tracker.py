@@ -43,7 +43,7 @@ from keypose.tracker.tracking.parts.correct import (
 )
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.tracking.scene import Scene
+from keypose.tracker.tracking.scene import Scene, lens_of
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.tracking.windows import MARGIN, body_windows, window_around
 from keypose.tracker.video import Video
@@ -243,9 +243,10 @@ class Tracker:
         they are prepared once a motion leads there."""
         start, end = (self.keyposes[frame] for frame in span)
         motion = interpolate(start, end, *span)
-        scene = self.scene_about([start, end], span, 1.0)
-        windows = body_windows(scene, motion.transforms(self.skeleton))
-        return self.loader(span).load(*span, window_around(windows), window_around(windows, MARGIN))
+        loader = self.loader(span)
+        lens = lens_of(loader.size.camera(loader.camera))
+        windows = body_windows(self.skeleton, lens, motion.transforms(self.skeleton))
+        return loader.load(*span, window_around(windows), window_around(windows, MARGIN))
 
     def scene_about(
         self, poses: Sequence[Pose], span: tuple[int, int], density: float, free: bool = False

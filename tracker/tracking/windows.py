@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.pose import part_transforms
-from keypose.tracker.body.surface_points import SurfacePoints
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.layout import Lens
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip, Prepared, Window
 
@@ -35,13 +37,13 @@ NEAREST_M = 0.05
 """Nothing nearer is seen; where it would be seen, nobody knows."""
 
 
-def body_windows(scene: Scene, Ts: Array) -> NDArray[np.float64]:
+def body_windows(skeleton: Skeleton, lens: Lens, Ts: Array) -> NDArray[np.float64]:
     """(N, 4) left, top, right and bottom pixel of a body's surface at transforms (N, P, 4, 4);
     infinite where a part of it comes too near to the camera, or is nowhere."""
-    corners = _corners(scene.points)
+    corners = _corners(skeleton)
     p = np.einsum("npab,pkb->npka", Ts[..., :3, :3], corners) + Ts[..., None, :3, 3]
     near = ~(p[..., 2].min(axis=(1, 2)) > NEAREST_M)
-    lens, z = scene.lens, np.maximum(p[..., 2:], NEAREST_M)
+    z = np.maximum(p[..., 2:], NEAREST_M)
     away = z if lens.perspective else np.full_like(z, lens.distance)
     uv = p[..., :2] / away * (lens.fx, lens.fy) + (lens.cx, lens.cy)
     found = np.concatenate([uv.min(axis=(1, 2)), uv.max(axis=(1, 2))], axis=-1)
@@ -50,14 +52,12 @@ def body_windows(scene: Scene, Ts: Array) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=8)
-def _corners(points: SurfacePoints) -> Array:
-    """(P, 8, 3) corners of a box around the surface of every part, in its frame."""
-    found = []
-    for first, last in zip(points.starts[:-1], points.starts[1:], strict=True):
-        own = points.points[first:last].astype(np.float64) if last > first else np.zeros((1, 3))
-        low, high = own.min(axis=0), own.max(axis=0)
-        found.append([[(low, high)[k >> a & 1][a] for a in range(3)] for k in range(8)])
-    return np.array(found)
+def _corners(skeleton: Skeleton) -> Array:
+    """(P, 8, 3) corners of a box around every part, in its frame."""
+    surfaces = [part.shape.mesh().vertices for part in skeleton.body.parts]
+    ends = np.array([[own.min(axis=0), own.max(axis=0)] for own in surfaces])  # (P, 2, 3)
+    which = np.array(list(product((0, 1), repeat=3)))  # (8, 3)
+    return ends[:, which, np.arange(3)]
 
 
 def window_around(windows: NDArray[np.float64], margin: float = 0.0) -> Window | None:
@@ -78,7 +78,7 @@ def show(scene: Scene, clip: Clip, trajectory: Trajectory) -> Prepared:
 
 def show_posed(scene: Scene, clip: Clip, Ts: Array) -> Prepared:
     """The same of poses with the transforms (N, P, 4, 4)."""
-    windows = body_windows(scene, Ts)
+    windows = body_windows(scene.skeleton, scene.lens, Ts)
     return clip.cover(window_around(windows), window_around(windows, MARGIN))
 
 
@@ -89,11 +89,12 @@ def follow_within(
 
     is_chain: each pose follows from the one before, so that none counts after the first that left.
     """
-    windows = body_windows(scene, part_transforms(scene.skeleton, *start))
+    skeleton = scene.skeleton
+    windows = body_windows(skeleton, scene.lens, part_transforms(skeleton, *start))
     shown = clip.cover(window_around(windows), window_around(windows, MARGIN))
     for turn in range(MOST_TURNS):
         poses = follow(shown)
-        led = body_windows(scene, part_transforms(scene.skeleton, *poses))
+        led = body_windows(skeleton, scene.lens, part_transforms(skeleton, *poses))
         if _shows(clip, shown, led):
             return poses
         left = np.array([not _shows(clip, shown, each) for each in led[:, None]])

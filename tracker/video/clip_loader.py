@@ -25,6 +25,7 @@ from keypose.tracker.video.pyramid import (
     IGNORED,
     TARGET_ONLY,
     USABLE,
+    Buffers,
     Clip,
     FloatPicture,
     Overview,
@@ -33,7 +34,7 @@ from keypose.tracker.video.pyramid import (
     Usable,
     Window,
     level_sizes,
-    prepare_window,
+    prepare_into,
 )
 from keypose.tracker.video.still_camera import background, moving, smooth
 
@@ -125,7 +126,8 @@ class ClipLoader:
     _damaged: set[int] = field(default_factory=set)
     _plate: FloatPicture | None = None
     _around: Panorama | None = None
-    _beyond: NDArray[np.bool_] | None = None
+    _beyond: Usable | None = None
+    _buffers: Buffers = field(default_factory=Buffers)
     _lock: Any = field(default_factory=RLock)
 
     def load(
@@ -216,7 +218,7 @@ class ClipLoader:
     def _fill(self, made: _Making, taken: Collection[int]) -> None:
         """Prepare all other frames."""
         for frame, grey, usable in self._missing(made.first, made.last, taken):
-            made.put(frame, grey, usable)
+            made.put(frame, grey, usable, self._buffers)
 
     def _missing(
         self, first: int, last: int, taken: Collection[int]
@@ -263,6 +265,8 @@ class ClipLoader:
         plate = self.static_camera or self.turns is not None
         if not (masks or plate or self.camera.is_distorted or beyond):
             return None
+        if not (masks or plate or beyond):
+            return self._beyond_lens(index)
         usable = np.full(grey.shape, USABLE, np.uint8)
         if plate:
             usable[self._is_background(grey, index)] = TARGET_ONLY
@@ -271,7 +275,7 @@ class ClipLoader:
         if beyond:
             usable[self._shown(index) < 250] = IGNORED
         elif self.camera.is_distorted:
-            usable[self._beyond_lens(index)] = IGNORED
+            usable[self._beyond_lens(index) == IGNORED] = IGNORED
         return usable
 
     def _shown(self, frame: int) -> NDArray[np.uint8]:
@@ -279,10 +283,11 @@ class ClipLoader:
         white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
         return self.working(white, frame)
 
-    def _beyond_lens(self, frame: int) -> NDArray[np.bool_]:
-        """Pixels of the rectified picture that the lens never showed."""
+    def _beyond_lens(self, frame: int) -> Usable:
+        """The rectified picture's pixels, but for those that the lens never showed."""
         if self._beyond is None:
-            self._beyond = self._shown(frame) < 250
+            shown = self._shown(frame) >= 250
+            self._beyond = np.where(shown, np.uint8(USABLE), np.uint8(IGNORED))
         return self._beyond
 
     def _masked(self, masks: Sequence[IgnoreMask], frame: int) -> NDArray[np.bool_]:
@@ -354,13 +359,13 @@ class _Making:
         levels = tuple(np.empty((count, h, w, 4), np.int16) for h, w in window.sizes)
         return cls(first, last, window, levels, Overview.empty(count, whole))
 
-    def put(self, frame: int, grey: NDArray[np.uint8], usable: Usable | None) -> None:
+    def put(
+        self, frame: int, grey: NDArray[np.uint8], usable: Usable | None, buffers: Buffers
+    ) -> None:
         """Prepare a frame's pictures."""
         index = frame - self.first
-        for level, picture in zip(
-            self.levels, prepare_window(grey, usable, self.window), strict=True
-        ):
-            level[index] = picture
+        pictures = [level[index] for level in self.levels]
+        prepare_into(pictures, grey, usable, self.window, buffers)
         self.overview.put(index, grey, usable)
 
     def take(self, frame: int, clip: Clip) -> None:

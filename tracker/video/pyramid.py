@@ -5,12 +5,12 @@ All three in whole steps of 1/128 of a grey level, or of what is wholly usable.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from keypose.tracker.kernels.layout import STEPS
 
@@ -26,60 +26,6 @@ Usable = NDArray[np.uint8]
 """What each pixel may be used for."""
 FloatPicture = NDArray[np.float32]
 """A picture, or brightness alone, in grey levels."""
-
-
-def prepare(grey: NDArray[np.uint8], usable: Usable | None, levels: int) -> list[Picture]:
-    """Pyramid of one picture: level k is (h / 2^k, w / 2^k, 4) int16 of [E, E_u, E_v, use].
-
-    grey: (h, w) brightness. usable: (h, w) USABLE, TARGET_ONLY (not a source: the background) or
-    IGNORED, or None where all is. E is blurred a little, the gradient is Scharr's, per pixel.
-    Around what is ignored a rim is ignored too, as wide as blur and gradient reach.
-    """
-    current = _float(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX))
-    use = None if usable is None else _with_rim(usable)
-    pyramid = []
-    for level in range(levels):
-        if level:
-            current = _float(cv2.pyrDown(current))
-            use = None if use is None else _with_rim(use)[::2, ::2]
-        picture = np.empty((*current.shape, 4), np.int16)
-        picture[..., 0] = np.rint(STEPS * current)
-        for channel, du in ((1, 1), (2, 0)):
-            slope = cv2.Scharr(current, cv2.CV_32F, du, 1 - du, scale=STEPS / 32.0)
-            picture[..., channel] = np.rint(slope)
-        picture[..., 3] = USABLE if use is None else use
-        pyramid.append(picture)
-    return pyramid
-
-
-def in_grey_levels(picture: Picture) -> FloatPicture:
-    """The same picture as single precision, brightness and gradient in grey levels; what it may be
-    used for as it is."""
-    return picture.astype(np.float32) * np.array([1 / STEPS] * 3 + [1], np.float32)
-
-
-def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
-    """(height, width) of every level, as cv2.pyrDown makes them."""
-    sizes = [(height, width)]
-    for _ in range(levels - 1):
-        h, w = sizes[-1]
-        sizes.append(((h + 1) // 2, (w + 1) // 2))
-    return sizes
-
-
-def _float(image: ArrayLike) -> FloatPicture:
-    """OpenCV's result with its exact type, which its own signatures lack."""
-    return np.asarray(image, np.float32)
-
-
-def _with_rim(usable: Usable) -> Usable:
-    """The same with a rim of four pixels ignored as well.
-
-    Blur, gradient and interpolation reach that far together.
-    """
-    ignored = (usable == IGNORED).astype(np.uint8)
-    near = cv2.dilate(ignored, np.ones((9, 9), np.uint8)) > 0
-    return np.where(near, np.uint8(IGNORED), usable)
 
 
 class Window(NamedTuple):
@@ -146,22 +92,113 @@ class Window(NamedTuple):
         return picture[self.top : self.bottom, self.left : self.right]
 
 
+def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
+    """(height, width) of every level, as cv2.pyrDown makes them."""
+    sizes = [(height, width)]
+    for _ in range(levels - 1):
+        h, w = sizes[-1]
+        sizes.append(((h + 1) // 2, (w + 1) // 2))
+    return sizes
+
+
 ALIGNED = 2 ** (LEVELS - 1)
 """Pixels to whose multiples windows reach, so that they begin at whole pixels at every level."""
 HALO = 32
 """Pixels around a window that are prepared with it: blur, halving and rims of the ignored reach 28
-pixels from the coarsest level. A multiple of what OpenCV computes at once, so that a window's
-pixels have the very numbers of the whole picture's."""
+pixels from the coarsest level, so that a window's numbers are the whole picture's."""
 
 
-def prepare_window(grey: NDArray[np.uint8], usable: Usable | None, window: Window) -> list[Picture]:
-    """All levels of a window of a picture, with the numbers of `prepare`, as views."""
+class Buffers:
+    """Arrays for steps on the way to a picture, kept from one to the next: memory that is fresh
+    takes longer to touch than the work. For one thread at a time."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, NDArray[np.int16]] = {}
+        self._uses: tuple[Usable, Window, list[NDArray[np.int16]]] | None = None
+
+    def array(self, name: str, shape: tuple[int, ...]) -> NDArray[np.int16]:
+        """The array of this name; what it holds is of before."""
+        kept = self._kept.get(name)
+        if kept is None or kept.shape != shape:
+            kept = self._kept[name] = np.empty(shape, np.int16)
+        return kept
+
+    def uses(self, usable: Usable | None, around: Window) -> list[NDArray[np.int16]] | None:
+        """What a part of a picture may be used for, at every level; None where all is. Of an array
+        that is the last one's it is known."""
+        if usable is None:
+            return None
+        if self._uses is None or self._uses[0] is not usable or self._uses[1] != around:
+            use, found = _with_rim(around.of(usable)), []
+            for level in range(LEVELS):
+                use = _with_rim(use)[::2, ::2] if level else use
+                found.append(use.astype(np.int16))
+            self._uses = usable, around, found
+        return self._uses[2]
+
+
+def prepare(grey: NDArray[np.uint8], usable: Usable | None, levels: int) -> list[Picture]:
+    """Pyramid of one picture: level k is (h / 2^k, w / 2^k, 4) int16 of [E, E_u, E_v, use].
+
+    grey: (h, w) brightness. usable: (h, w) USABLE, TARGET_ONLY (not a source: the background) or
+    IGNORED, or None where all is. E is blurred a little, the gradient is Scharr's, per pixel.
+    Around what is ignored a rim is ignored too, as wide as blur and gradient reach.
+    """
     height, width = grey.shape
-    around = window.grown(HALO).aligned(HALO).within(Window.whole(width, height))
-    cut = np.ascontiguousarray(around.of(grey))
-    pictures = prepare(cut, None if usable is None else around.of(usable), LEVELS)
-    inside = window.seen_from(around)
-    return [inside.halved(level).of(picture) for level, picture in enumerate(pictures)]
+    sizes = level_sizes(width, height, levels)
+    pictures = [np.empty((*size, 4), np.int16) for size in sizes]
+    prepare_into(pictures, grey, usable, Window.whole(width, height), Buffers())
+    return pictures
+
+
+def prepare_into(
+    pictures: Sequence[Picture],
+    grey: NDArray[np.uint8],
+    usable: Usable | None,
+    window: Window,
+    buffers: Buffers,
+) -> None:
+    """Prepare a window of a picture, (h, w, 4) for every level, in arrays that are there."""
+    height, width = grey.shape
+    around = window.grown(HALO).aligned(ALIGNED).within(Window.whole(width, height))
+    inside, uses = window.seen_from(around), buffers.uses(usable, around)
+    sharp = buffers.array("sharp", around.of(grey).shape)
+    np.multiply(around.of(grey), STEPS, out=sharp, dtype=np.int16)
+    current = buffers.array("level 0", sharp.shape)
+    cv2.GaussianBlur(sharp, (0, 0), BLUR_PX, dst=current)
+    for level, picture in enumerate(pictures):
+        if level:
+            halved = buffers.array(f"level {level}", _halved(current.shape))
+            current = np.asarray(cv2.pyrDown(current, dst=halved), np.int16)
+        found = [current]
+        for du in (1, 0):
+            slope = buffers.array(f"slope {du} {level}", current.shape)
+            cv2.Scharr(current, cv2.CV_16S, du, 1 - du, scale=1 / 32.0, dst=slope)
+            found.append(slope)
+        use = buffers.array(f"use {level}", current.shape)
+        use[:] = USABLE if uses is None else uses[level]
+        cut = inside.halved(level)
+        cv2.merge([cut.of(each) for each in (*found, use)], dst=picture)
+
+
+def _halved(shape: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple((side + 1) // 2 for side in shape)
+
+
+def in_grey_levels(picture: Picture) -> FloatPicture:
+    """The same picture as single precision, brightness and gradient in grey levels; what it may be
+    used for as it is."""
+    return picture.astype(np.float32) * np.array([1 / STEPS] * 3 + [1], np.float32)
+
+
+def _with_rim(usable: Usable) -> Usable:
+    """The same with a rim of four pixels ignored as well.
+
+    Blur, gradient and interpolation reach that far together.
+    """
+    ignored = (usable == IGNORED).astype(np.uint8)
+    near = cv2.dilate(ignored, np.ones((9, 9), np.uint8)) > 0
+    return np.where(near, np.uint8(IGNORED), usable)
 
 
 class Overview(NamedTuple):

@@ -183,3 +183,15 @@ def test_the_edges_of_a_wide_lens_are_found_again(distortion: tuple[float, ...])
     ideal = np.column_stack([np.cos(turn), np.sin(turn), np.ones(40)])
     again = wide.back_project(wide.project(ideal), 1.0)
     np.testing.assert_allclose(again, ideal, atol=1e-6)
+
+
+@pytest.mark.parametrize("channels", [(), (3,)], ids=["grey", "colour"])
+def test_pictures_are_rectified_as_opencv_does_one_by_one(channels: tuple[int, ...]) -> None:
+    rng = np.random.default_rng(4)
+    for k in range(3):  # cameras in turn, one of them twice
+        bent = IDEAL.model_copy(
+            update={"distortion": (0.1 - 0.2 * (k % 2), 0.05, 0.001, 0.0, 0.01)}
+        )
+        picture = rng.integers(0, 256, (bent.height, bent.width, *channels)).astype(np.uint8)
+        expected = cv2.undistort(picture, bent.K, np.array(bent.distortion))
+        np.testing.assert_array_equal(bent.rectify(picture), expected)

@@ -122,7 +122,7 @@ def test_a_chain_that_leaves_its_window_is_followed_in_a_wider_one() -> None:
     found, areas = [], []
     for window in (
         Window(0, 0, 320, 180),
-        window_around(body_windows(scene, _placed(scene.skeleton, start))),
+        window_around(body_windows(scene.skeleton, scene.lens, _placed(scene.skeleton, start))),
     ):
         clip = ClipLoader(video, BOX.camera, WorkingSize(0)).load(0, 12, window)
         areas.append(area(clip))
@@ -174,7 +174,7 @@ def test_the_window_holds_every_point_of_the_body(name: str, camera: Any) -> Non
         skeleton = Skeleton.of(preset(name)) if seed else random_body(seed)
         pose = random_pose(skeleton, seed, 0.7, 9.0)
         scene = scene_of(skeleton, camera, [pose])
-        (found,) = body_windows(scene, _placed(skeleton, pose))
+        (found,) = body_windows(scene.skeleton, scene.lens, _placed(skeleton, pose))
         Ts, points = _placed(skeleton, pose)[0], scene.points
         part = np.repeat(np.arange(skeleton.part_count), np.diff(points.starts))
         p = np.einsum("sab,sb->sa", Ts[part, :3, :3], points.points) + Ts[part, :3, 3]
@@ -185,4 +185,9 @@ def test_the_window_holds_every_point_of_the_body(name: str, camera: Any) -> Non
 
 def test_a_body_that_comes_too_near_is_looked_for_everywhere() -> None:
     pose = replace(PERSON.truth.pose(0), p_camera_root=np.array([0.0, 0.0, 0.1]))
-    assert window_around(body_windows(PERSON.scene(), _placed(PERSON.skeleton, pose))) is None
+    assert (
+        window_around(
+            body_windows(PERSON.skeleton, PERSON.scene().lens, _placed(PERSON.skeleton, pose))
+        )
+        is None
+    )

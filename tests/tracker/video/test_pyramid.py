@@ -73,7 +73,7 @@ def test_the_strongest_contrast_fits_a_picture_and_is_kept_to_a_part_of_a_grey_l
     blurred = cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX)
     picture = in_grey_levels(prepare(grey, None, 1)[0])
     exact = [blurred, *(cv2.Scharr(blurred, -1, du, 1 - du, scale=1 / 32) for du in (1, 0))]
-    assert np.abs(picture[..., :3] - np.stack(exact, axis=-1)).max() <= 0.5 / STEPS + 1e-4
+    assert np.abs(picture[..., :3] - np.stack(exact, axis=-1)).max() <= 1 / STEPS
 
 
 def test_a_pixel_of_a_coarser_level_lies_on_every_second_of_the_finer_one() -> None:
