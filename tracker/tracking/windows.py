@@ -7,7 +7,7 @@ it was begun in.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import product
 from typing import TypeAlias
@@ -80,6 +80,21 @@ def show_posed(scene: Scene, clip: Clip, Ts: Array) -> Prepared:
     """The same of poses with the transforms (N, P, 4, 4)."""
     windows = body_windows(scene.skeleton, scene.lens, Ts)
     return clip.cover(window_around(windows), window_around(windows, MARGIN))
+
+
+def show_all(
+    scene: Scene, clip: Clip, trajectories: Sequence[Trajectory], more_px: float
+) -> tuple[Window, Prepared]:
+    """A window around several trajectories that they alone decide, wider by some pixels; and
+    pictures that show it."""
+    windows = np.concatenate(
+        [body_windows(scene.skeleton, scene.lens, scene.transforms(each)) for each in trajectories]
+    )
+    around = window_around(windows)
+    whole = Window.whole(scene.camera.width, scene.camera.height)
+    window = whole if around is None else around.grown(more_px).within(whole)
+    window = whole if window.is_empty else window
+    return window, clip.cover(window)
 
 
 def follow_within(

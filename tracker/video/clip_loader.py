@@ -42,7 +42,7 @@ MEMORY_BYTES = 1_500_000_000
 """What a process that tracks may take; the clip of one segment is made to fit, and always may."""
 PROCESS_BYTES = 300_000_000
 """Of that, what libraries, compiled loops and the decoder take."""
-KEPT_SHARE = 0.3
+KEPT_SHARE = 0.1
 """How much earlier clips may go on holding where there is room beside a new one."""
 LEAST_WINDOW = 32
 """Pixels: where a body is hardly in the picture, its window is widened by so much at once."""

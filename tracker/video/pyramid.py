@@ -42,6 +42,11 @@ class Window(NamedTuple):
         return cls(0, 0, width, height)
 
     @property
+    def is_empty(self) -> bool:
+        """Return whether it has no pixel."""
+        return self.left >= self.right or self.top >= self.bottom
+
+    @property
     def sizes(self) -> list[tuple[int, int]]:
         """(height, width) of its every level."""
         return level_sizes(self.right - self.left, self.bottom - self.top, LEVELS)

@@ -30,7 +30,8 @@ from keypose.tracker.tracking.initial.templates.search import GreyPicture
 from keypose.tracker.tracking.method import FULL
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.video.pyramid import FloatPicture, in_grey_levels
+from keypose.tracker.tracking.windows import show_all
+from keypose.tracker.video.pyramid import FloatPicture, Window, in_grey_levels
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,6 +252,8 @@ TRUSTED_PX, OCCLUDER_PX = 6.0, 20.0
 occlusion of it is."""
 INSTEAD = "followed from both keyframes there"
 REACH_M, LEAST_REACH, MOST_REACH = 0.055, 6, 24
+WANDER_PX = MOST_REACH + 1.5 * MOST_HALF
+"""Around the body of both chains: what a template that is cut or sought there shows at most."""
 """How far beside its expected place a point is looked for: metres on the body, and pixels."""
 
 
@@ -295,10 +298,13 @@ def limb_tracks(
 class _View:
     """A segment's pictures, and the chains from both keyframes.
 
+    window: what the pictures show, around both chains: points are sought nowhere else, whatever
+        more of the film is prepared.
     ends: what the first and the last keyframe show.
     """
 
     scene: Scene
+    window: Window
     pictures: list[FloatPicture]
     shown: list[GreyPicture]
     chains: Chains
@@ -309,13 +315,14 @@ class _View:
     def of(cls, scene: Scene, segment: Segment, chains: Chains) -> _View:
         """Prepare one segment."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
-        whole = segment.clip.cover(None).levels[0]  # places are sought far around
-        pictures = [in_grey_levels(whole[slot]) for slot in slots]
         base = blend_chains(scene, *chains)
+        window, prepared = show_all(scene, segment.clip, chains, WANDER_PX)
+        pictures = [in_grey_levels(prepared.cut(int(slot), 0, window)) for slot in slots]
         mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
         Ts = base.transforms(scene.skeleton)
         ends = (raster(mesh, Ts[0], view), raster(mesh, Ts[-1], view))
-        return cls(scene, pictures, [GreyPicture.of(p) for p in pictures], chains, base, ends)
+        shown = [GreyPicture.of(picture) for picture in pictures]
+        return cls(scene, window, pictures, shown, chains, base, ends)
 
     def anchor(self, point: FollowedPoint, forward: bool) -> Anchor:
         """The point as the first keyframe shows it, or the last one."""
@@ -330,16 +337,19 @@ class _View:
         ways = [self.scene.point_pixels(chain, anchor.part, anchor.p_part) for chain in self.chains]
         apart = np.linalg.norm(ways[0] - ways[1], axis=-1)
         covered, trusted = covered & (apart < OCCLUDER_PX), apart < TRUSTED_PX
-        expected = BaseCourse(uv[along], covered[along], trusted[along])
-        start, pictures = anchor.uv, self.pictures[along]
+        corner = np.array([self.window.left, self.window.top])
+        expected = BaseCourse(uv[along] - corner, covered[along], trusted[along])
+        start, pictures = anchor.uv - corner, self.pictures[along]
         key = None
         if anchor.is_seen:
             place = (float(start[0]), float(start[1]), 0.0, 0.0)
-            key = Patch.cut(pictures[0], place, self._half(anchor.size_m), anchor.shows)
+            shows = self.window.of(anchor.shows)
+            key = Patch.cut(pictures[0], place, self._half(anchor.size_m), shows)
         course = Course.at_its_start(start, len(pictures))
         if key is not None:
             reach = int(np.clip(REACH_M / self.scene.pixel_m, LEAST_REACH, MOST_REACH))
             course = follow_point(key, start, pictures, self.shown[along], expected, reach)
+        course = replace(course, uv=course.uv + corner)
         return course if forward else course.reversed()
 
     def _half(self, size_m: float) -> int:
