@@ -110,7 +110,7 @@ def live(film: Film, quality: str) -> int:
 def apart(name: str) -> dict[str, float]:
     """What preparing a film's pictures takes in a process of its own: memory that has been touched
     before costs nothing, and a person's first pictures never lie in such. Its frames have been
-    examined for damage, as they are once a film."""
+    examined for damage and decoded, as after a draft: that is no row of pictures."""
     command = [sys.executable, "-P", *sys.argv[:2], name]
     answer: dict[str, float] = json.loads(subprocess.check_output(command, text=True))
     return answer
@@ -143,7 +143,7 @@ def main() -> None:
     known = pickle.loads(Path(sys.argv[1]).read_bytes())
     if len(sys.argv) > 2:
         film = Film(SimpleNamespace(**known[sys.argv[2]]))
-        for _ in film.video.examine(*film.span):
+        for _ in film.video.sound_frames(film.span[0], film.span[1] + 1):
             pass
         print(json.dumps(measured(film.prepare)))
         return
