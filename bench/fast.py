@@ -5,18 +5,16 @@
 Figures of another machine, or of another hour, prove nothing: what counts is the ratio of medians
 of processor time. The other revision is checked out into a folder of its own and works on the same
 films, bodies and poses. Each has the packages that a plain installation of it brings, in an
-environment of its own that is kept. Rows are in `bench/fast_rows.py`.
+environment of its own that is kept. Rows are in `bench/fast_rows.py`, and of whole commands in
+`bench/fast_processes.py`.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import pickle
 import subprocess
-import tomllib
-import venv
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -27,8 +25,10 @@ from typing import Any
 import numpy as np
 
 from bench.clips import clip
-from bench.keeping import ROOT, Absent, kept_folder
+from bench.fast_processes import processes
+from bench.keeping import ROOT
 from bench.keyed import keyed
+from bench.revisions import checked_out, linked, python_of
 from bench.table import Expected, Report
 from keypose.tracker.keypoints.region import MARGIN, Region
 
@@ -45,8 +45,6 @@ WANTED: Mapping[str, float] = {
     "live full": 2.5,
 }  # fmt: skip
 """By how much less a row should take than the revision beside it."""
-LINKED = ("app", "sample_videos", "static", "tracker")
-ARCHIVED = (*LINKED, "pyproject.toml")
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ class Worker:
         environ["NUMBA_CACHE_DIR"] = str(tree / "build" / "loops")
         script = str(ROOT / "bench" / "fast_rows.py")
         self._process = subprocess.Popen(
-            [str(_python(tree)), "-P", script, str(films)], env=environ, text=True,
+            [str(python_of(tree)), "-P", script, str(films)], env=environ, text=True,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         )  # fmt: skip
         self.rows: list[str] = self._answer()
@@ -93,6 +91,7 @@ class Worker:
 
 def fast(report: Report, beside: str = BESIDE) -> None:
     """The whole group."""
+    processes(report, linked(ROOT), checked_out(beside))
     report.note(f"ms of processors a frame, a look or a move, here and at {beside}, medians of")
     report.note(f"{TURNS} turns, each revision first in turn; only ratios count")
     table = report.table("what people wait for", "here", "beside", "ratio", "clock ratio")
@@ -145,55 +144,9 @@ def _films() -> Iterator[Path]:
 @contextmanager
 def _both(beside: str, films: Path) -> Iterator[tuple[Worker, Worker]]:
     """This revision and the other, at work."""
-    workers = (Worker(_linked(ROOT), films), Worker(_checked_out(beside), films))
+    workers = (Worker(linked(ROOT), films), Worker(checked_out(beside), films))
     try:
         yield workers
     finally:
         for worker in workers:
             worker.close()
-
-
-def _checked_out(revision: str) -> Path:
-    """A revision in a folder of this user's, as it is there from before; Absent where git has no
-    such."""
-    named = subprocess.run(
-        ["git", "-C", str(ROOT), "rev-parse", "--verify", f"{revision}^{{commit}}"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    if named.returncode:
-        raise Absent(f"the revision {revision!r}")
-    tree = kept_folder() / f"at-{named.stdout.strip()[:12]}"
-    if not tree.exists():
-        archive = subprocess.run(
-            ["git", "-C", str(ROOT), "archive", named.stdout.strip(), *ARCHIVED],
-            capture_output=True, check=True,
-        )  # fmt: skip
-        tree.mkdir(parents=True)
-        subprocess.run(["tar", "-x", "-C", str(tree)], input=archive.stdout, check=True)
-    return _linked(tree)
-
-
-def _python(tree: Path) -> Path:
-    """An interpreter with the packages that a plain installation of a revision brings; made once
-    for all that need the same."""
-    project = tomllib.loads((tree / "pyproject.toml").read_text(encoding="utf-8"))
-    needed: list[str] = project["project"]["dependencies"]
-    name = hashlib.sha256("\n".join(sorted(needed)).encode()).hexdigest()[:12]
-    folder = kept_folder() / f"packages-{name}"
-    python = folder / "bin" / "python"
-    if not (folder / "done").exists():
-        venv.create(folder, clear=True, with_pip=True)
-        subprocess.run([str(python), "-m", "pip", "install", "--quiet", *needed], check=True)
-        (folder / "done").touch()
-    return python
-
-
-def _linked(tree: Path) -> Path:
-    """A tree whose packages are found by their name."""
-    names = tree / "build" / "names" / "keypose"
-    names.mkdir(parents=True, exist_ok=True)
-    for package in LINKED:
-        link = names / package
-        if not link.exists():
-            link.symlink_to(Path("../../..") / package)
-    return tree
