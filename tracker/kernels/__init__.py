@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core import types
 
 from keypose.tracker.kernels.folder import loop_folder
 
@@ -41,10 +42,21 @@ def compiled(function: F) -> F:
     """Compile a loop with the settings above."""
     kept = FOLDER.path is not None
     loop: Any = numba.njit(cache=kept, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
-    if kept and not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return loop
+    called = loop.get_call_template
+    loop.get_call_template = lambda args, kws: called(*_of_any_value(args, kws))
+    if kept:
         save = loop._cache.save_overload
         loop._cache.save_overload = lambda *given: _if_there_is_room(save, *given)
     return loop
+
+
+def _of_any_value(args: tuple[Any, ...], kws: dict[str, Any]) -> tuple[tuple[Any, ...], Any]:
+    """The types of what another loop passes, without the values of constants: numba would compile
+    a loop once more for each of them."""
+    plain = {name: types.unliteral(kind) for name, kind in kws.items()}
+    return tuple(map(types.unliteral, args)), plain
 
 
 def _if_there_is_room(save: Callable[..., None], *given: Any) -> None:

@@ -123,7 +123,8 @@ def root_path(R, t, R_next, t_next, t_end, shares, path):
     done = 0.0
     for j in range(1, n):
         done += shares[j - 1] / n
-        path[j] += missing * done
+        for a in range(3):
+            path[j, a] += missing[a] * done
     put_place(t_end, path[n])
 
 

@@ -43,7 +43,7 @@ def places_of(
 ) -> Places:
     """Places on a body, each the mean of so many points (K, 3) in the frames of parts (K,)."""
     starts = np.cumsum([0, *counts])
-    moves = skeleton.below[parts][:, skeleton.dof_part]
+    moves = np.ascontiguousarray(skeleton.below[parts][:, skeleton.dof_part])
     moved = [np.flatnonzero(moves[first:last].any(axis=0)) for first, last in pairwise(starts)]
     dof_starts = np.cumsum([0, *(len(dofs) for dofs in moved)])
     dofs = np.concatenate([*moved, np.zeros(0, np.int64)])

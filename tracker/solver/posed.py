@@ -94,9 +94,13 @@ class Posed:
         return motion.reshape(*self.batch, -1)
 
     def each(self, values: Array, own: int) -> Array:
-        """(N, …) a copy of values, so many axes of their own, for all poses alike or for each."""
+        """(N, …) a copy of values, so many axes of their own, for all poses alike or for each.
+
+        Row by row: for another order in memory loops would be compiled once more.
+        """
         shape = (*self.batch, *values.shape[values.ndim - own :])
-        return np.array(np.broadcast_to(values, shape)).reshape(-1, *shape[len(self.batch) :])
+        copy = np.array(np.broadcast_to(values, shape), order="C")
+        return copy.reshape(-1, *shape[len(self.batch) :])
 
 
 def carried(Ts_camera_part: Array, parts: NDArray[np.int64], points: Array) -> Array:

@@ -50,9 +50,9 @@ class _Differences(ABC):
 
     @cached_property
     def _wanted(self) -> tuple[Array, Array, int, float]:
-        """For the loops."""
-        precision = np.array(np.broadcast_to(self.precision, self.wanted.shape))
-        return np.array(self.wanted), precision, *numbered(self.kernel)
+        """For the loops, which would be compiled once more for values that lie in another order."""
+        precision = np.array(np.broadcast_to(self.precision, self.wanted.shape), order="C")
+        return np.array(self.wanted, order="C"), precision, *numbered(self.kernel)
 
 
 class Increments(_Differences):
