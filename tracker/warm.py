@@ -1,8 +1,8 @@
 """Getting the compiled loops ready before they are needed.
 
-The first run on a machine compiles them, in several processes; later runs load them from disk.
-`warm` does either by tracking a tiny grey box, so that it can be done while a person's video is
-still being read.
+The first run on a machine compiles them, in several processes and as far as they are needed; later
+runs load them from disk. Tracking a tiny grey box does either, so that it can be done while a
+person's video is still being read.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 from threading import Lock, Thread
@@ -22,18 +22,42 @@ import numpy as np
 from keypose.tracker import kernels
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import transform
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 
 if TYPE_CHECKING:
+    from keypose.tracker.session import Session
     from keypose.tracker.warming import BoxScene
 
 _DONE, _HULLS_DONE = "warm", "warm-hulls"
 MOST_PROCESSES: Final = 3
 """More would wait for the largest part."""
+BY_KEYPOINTS = ("passes", "keypoints", "refinement", "chains", "observation")
+BY_BRIGHTNESS = ("passes", "drift", "refinement", "chains", "observation", "templates")
+OF_FILMS = tuple(dict.fromkeys(BY_KEYPOINTS + BY_BRIGHTNESS))
+"""Parts in `warming` that tracking needs, what takes longest and needs no other first."""
 
 
-def is_warm() -> bool:
-    """Return whether the loops, as their files lie here, were compiled on this machine before."""
-    return _is_marked(_DONE)
+def needed(session: Session) -> Sequence[str]:
+    """Return the parts of the loops that a session is tracked with; another one that is needed all
+    the same is compiled then."""
+    return _NEEDED.of(session)(session)
+
+
+def _of_film(session: Session) -> Sequence[str]:
+    by_keypoints = "keypoints" in session.settings.cues_used and is_persons(session.subject.body)
+    return BY_KEYPOINTS if by_keypoints else BY_BRIGHTNESS
+
+
+_NEEDED: ByEvidence[Callable[[Session], Sequence[str]]] = ByEvidence(
+    {FilmEvidence: _of_film, SurfaceEvidence: lambda session: ("surface",)}
+)
+
+
+def is_warm(parts: Collection[str] = (_DONE,)) -> bool:
+    """Return whether the loops, all or these parts, as their files lie here, were compiled on this
+    machine before."""
+    return _is_marked(_DONE) or all(_is_marked(_mark_of(part)) for part in parts)
 
 
 def preparing_words(percent: int = 0) -> str:
@@ -48,32 +72,29 @@ def preparing_words(percent: int = 0) -> str:
     return f"Preparing the tracker for this computer, once: {done}."
 
 
-def warm() -> None:
-    """Compile the loops, or load them."""
-    from keypose.tracker.warming import PARTS, BoxScene
-
-    if is_warm():
-        _load(BoxScene.made())
-    else:
-        compiling = _Compiling(lambda percent: None)
-        compiling.work(PARTS)
+def warm(parts: Collection[str]) -> None:
+    """Compile these parts where they are not; what is compiled is loaded once it is used."""
+    missing = [part for part in parts if not is_warm((part,))]
+    if missing:
+        compiling = _Compiling(missing, lambda percent: None)
+        compiling.work(missing)
         compiling.finish()
 
 
 def warm_tracking(report: Callable[[int], None]) -> None:
-    """The same, but only until a segment can be tracked: the other loops are compiled beside.
+    """Compile or load all loops, but wait only until a segment can be tracked.
 
     report: is told how many percent of that are done, on several threads, one at a time.
     """
-    from keypose.tracker.warming import TRACKING, BoxScene
+    from keypose.tracker.warming import PARTS, TRACKING, BoxScene
 
     if is_warm():
         _load(BoxScene.made())
     else:
-        compiling = _Compiling(report)
+        compiling = _Compiling(PARTS, report)
         compiling.work(TRACKING)
-        compiling.tell_no_more()
-        Thread(target=compiling.finish, name="compiling", daemon=True).start()
+        compiling.load_tracking()
+        Thread(target=compiling.finish_all, name="compiling", daemon=True).start()
 
 
 def _load(box: BoxScene) -> None:
@@ -91,26 +112,30 @@ class _Compiling:
     Where another process dies, what it was to compile is compiled when it is needed.
     """
 
-    def __init__(self, report: Callable[[int], None]) -> None:
+    def __init__(self, parts: Collection[str], report: Callable[[int], None]) -> None:
         from keypose.tracker.warming import PARTS, BoxScene
 
         self._parts, self._box = PARTS, BoxScene.made()
-        self._waiting, self._done = deque(PARTS), 0
+        self._waiting, self._done, self._shares = deque(parts), set[str](), 0
         self._report: Callable[[int], None] | None = report
         self._lock = Lock()
-        self._threads = [Thread(target=self._work_beside, daemon=True) for _ in range(_helpers())]
+        helpers = min(_helpers(), len(parts) - 1)
+        self._threads = [Thread(target=self._work_beside, daemon=True) for _ in range(helpers)]
         for thread in self._threads:
             thread.start()
 
     def work(self, among: Collection[str]) -> None:
-        """Compile one after another of these, then load what others have compiled of them."""
-        while (name := self._take(among)) is not None:
-            self._parts[name].do(self._box)
-            self._tell(name)
-        if "track" in among:
-            self._parts["track"].do(self._box)
+        """Compile one after another of these that nobody has begun."""
+        from keypose.tracker.warming import rarely_tidied
 
-    def tell_no_more(self) -> None:
+        with rarely_tidied():
+            while (name := self._take(among)) is not None:
+                self._parts[name].do(self._box)
+                self._tell(name)
+
+    def load_tracking(self) -> None:
+        """Load what others have compiled, and say no more."""
+        self._parts["track"].do(self._box)
         with self._lock:
             self._report = None
 
@@ -118,8 +143,13 @@ class _Compiling:
         """Wait until all are compiled."""
         for thread in self._threads:
             thread.join()
-        self.work([name for name in self._parts if name != "track"])  # where there is no other
-        _put_mark(_DONE)
+        self.work(self._parts)  # where there is no other process
+
+    def finish_all(self) -> None:
+        """The same, where these are all that there are."""
+        self.finish()
+        if self._done.issuperset(self._parts):
+            _put_mark(_DONE)
 
     def _work_beside(self) -> None:
         from keypose.tracker.warming import Helper
@@ -140,13 +170,15 @@ class _Compiling:
             return name
 
     def _tell(self, name: str) -> None:
-        """Report a part that is done, if it is one that tracking needs."""
+        """Remember a part that is done, and report it if it is one that tracking needs."""
         from keypose.tracker.warming import TRACKING
 
+        _put_mark(_mark_of(name))
         with self._lock:
+            self._done.add(name)
             if self._report is not None and name in TRACKING:
-                self._done += TRACKING[name].share
-                self._report(100 * self._done // sum(part.share for part in TRACKING.values()))
+                self._shares += TRACKING[name].share
+                self._report(100 * self._shares // sum(part.share for part in TRACKING.values()))
 
 
 def _helpers() -> int:
@@ -177,6 +209,10 @@ def warm_hulls() -> None:
     mesh = hull_mesh(hull_field(views, [disc] * len(views), 0.08))
     consistency(mesh, views, [grey] * len(views))
     _put_mark(_HULLS_DONE)
+
+
+def _mark_of(part: str) -> str:
+    return part if part == _DONE else f"{_DONE}-{part}"
 
 
 def _is_marked(name: str) -> bool:

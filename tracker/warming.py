@@ -7,10 +7,11 @@ parts from stdin, a line each, and says each when it is done, until stdin ends.
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -27,8 +28,11 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.view import ViewCamera
 from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Tolerance
-from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.tracking.bundle import refine
+from keypose.tracker.tracking.cues.anchors import Anchors
+from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
+from keypose.tracker.tracking.cues.soft_correction import Correction
 from keypose.tracker.tracking.cycle import track_segment
 from keypose.tracker.tracking.diagnostics.observability import observe
 from keypose.tracker.tracking.drift import Motions, correct_drift
@@ -92,6 +96,21 @@ def _templates(box: BoxScene) -> None:
     assert patch is not None
     find_match(template, GreyPicture.of(picture), np.array([25.0, 23.0]), 3)
     patch.refine(picture, (25.0, 23.0, 0.0, 0.0))
+
+
+def _keypoints(box: BoxScene) -> None:
+    """Correct a motion by two points that are seen where they are."""
+    skeleton, path = box.scene.skeleton, box.motion
+    points = BodyPoints.single(skeleton, np.zeros(2, int), np.array([[0.1, 0.1, 0.0], [0.0] * 3]))
+    p_camera = points.at(path.transforms(skeleton))
+    known = np.ones(p_camera.shape[:2])
+    depth = p_camera[..., 2] - path.ps_camera_root[:, None, 2]
+    anchors = Anchors(
+        points, np.zeros(2, int), box.scene.camera.project(p_camera), known, depth, known, known,
+        height_px=40.0, joints=points, by_hand=0 * known, depth_sigma_m=known, feet=points,
+        feet_uv=np.full((*known.shape, 2), np.nan),
+    )  # fmt: skip
+    from_keypoints(Correction(box.scene, box.segment, anchors))
 
 
 def _chains(box: BoxScene) -> None:
@@ -164,9 +183,10 @@ class WarmPart:
 
 TRACKING: Final[Mapping[str, WarmPart]] = {
     "passes": WarmPart(_passes, 32),
+    "keypoints": WarmPart(_keypoints, 16),
     "drift": WarmPart(_drift, 8),
     "refinement": WarmPart(_refinement, 12),
-    "chains": WarmPart(_chains, 11),
+    "chains": WarmPart(_chains, 7),
     "templates": WarmPart(_templates, 4),
     "observation": WarmPart(_observation, 4),
     "track": WarmPart(_track, 1),
@@ -208,11 +228,28 @@ class Helper:
             self._process.communicate()
 
 
+OBJECTS: Final = 100_000
+"""New ones after which the youngest are looked through for garbage, here."""
+
+
+@contextmanager
+def rarely_tidied() -> Iterator[None]:
+    """Within, Python seldom looks for garbage, which takes a seventh of a compiler's time."""
+    before = gc.get_threshold()
+    gc.freeze()
+    gc.set_threshold(OBJECTS, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+
+
 def _main() -> None:
     box = BoxScene.made()
-    for line in sys.stdin:
-        PARTS[line.strip()].do(box)
-        print(line, end="", flush=True)
+    with rarely_tidied():
+        for line in sys.stdin:
+            PARTS[line.strip()].do(box)
+            print(line, end="", flush=True)
 
 
 if __name__ == "__main__":

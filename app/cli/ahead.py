@@ -41,7 +41,7 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
     ways = _ways(session, arguments.ahead)
     stop, found = threading.Event(), []
     with open_video_of(asked, arguments.session) as video, locked_place(arguments) as place:
-        warm_tracker()
+        warm_tracker(asked)
         with set_when_interrupted(stop):
             for way in ways:
                 if not stop.is_set():

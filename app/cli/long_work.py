@@ -8,16 +8,23 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from keypose.tracker.session import Session
 
 
-def warm_tracker() -> None:
-    """The first run on a computer takes its time, and says so."""
-    from keypose.tracker.warm import is_warm, preparing_words, warm
+def warm_tracker(session: Session | None = None) -> None:
+    """The first run on a computer takes its time, and says so.
 
-    if not is_warm():
+    session: what is tracked; None where it is not known yet.
+    """
+    from keypose.tracker.warm import OF_FILMS, is_warm, needed, preparing_words, warm
+
+    parts = OF_FILMS if session is None else needed(session)
+    if not is_warm(parts):
         print(preparing_words(), file=sys.stderr)
-        warm()
+        warm(parts)
 
 
 def warm_hull_kernels() -> None:

@@ -48,7 +48,7 @@ def track_and_save(
         )
         session, asked = (with_repeats(s, video, *ends) for s in (session, asked))
         wanted = _wanted(asked, frames)  # by keys that know the present fingerprints
-        warm_tracker()
+        warm_tracker(asked)
         _say_what_was_found(asked)
         _say_what_is_left_out(asked, arguments)
         place = arguments.session

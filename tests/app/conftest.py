@@ -29,7 +29,7 @@ def heeded_ctrl_c() -> Iterator[None]:
 def session_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A session on disk, not yet tracked; tracking is a fake."""
     monkeypatch.setattr(follow, "rerun", tracker())
-    monkeypatch.setattr(warm, "is_warm", lambda: True)
+    monkeypatch.setattr(warm, "is_warm", lambda *parts: True)
     folder = tmp_path / "job"
     folder.mkdir()
     return cases.write_session(folder)

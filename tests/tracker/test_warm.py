@@ -11,7 +11,11 @@ import numba
 import pytest
 
 from keypose.tracker import kernels, warm, warming
+from keypose.tracker.body.body import preset
+from keypose.tracker.session.references import Surface
+from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.warming import WarmPart
+from tests.tracker import session_cases as cases
 
 
 @pytest.fixture
@@ -83,6 +87,47 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     monkeypatch.setattr(warming, "PARTS", {**tracking, "surface": part("surface", 9)})
     monkeypatch.setattr(warm, "_helpers", lambda: 0)
     return done
+
+
+def test_what_a_run_needs_is_compiled_and_nothing_else(loops: Path, compiled: list[str]) -> None:
+    warm.warm(["surface"])
+    assert compiled == ["surface"]
+    assert warm.is_warm(["surface"])
+    assert not warm.is_warm(["chains", "surface"])
+    assert not warm.is_warm()
+    warm.warm(["chains", "surface"])
+    assert compiled == ["surface", "chains"]
+    warm.warm(["chains", "surface"])
+    assert compiled == ["surface", "chains"]
+
+
+def test_once_all_is_compiled_so_is_each_part(loops: Path, compiled: list[str]) -> None:
+    warm.warm_tracking(lambda percent: None)
+    finish()
+    assert warm.is_warm(["chains", "surface"])
+
+
+NEEDED = {
+    "a person, by keypoints": ("adult_male", ("brightness", "keypoints"), "keypoints", "drift"),
+    "a person, by brightness": ("adult_male", ("brightness",), "drift", "keypoints"),
+    "an animal": ("dog", ("brightness", "keypoints"), "drift", "keypoints"),
+}
+
+
+@pytest.mark.parametrize("case", NEEDED)
+def test_a_film_needs_the_loops_of_the_cues_that_count_for_its_body(case: str) -> None:
+    body, cues, with_, without = NEEDED[case]
+    settings = TrackSettings(cues=cues)
+    asked = cases.session().changed({"body": preset(body), "keyframes": (), "settings": settings})
+    needed = warm.needed(asked)
+    assert with_ in needed
+    assert without not in needed
+    assert set(needed) < set(warming.PARTS)
+
+
+def test_surfaces_need_none_of_a_films_loops() -> None:
+    session = cases.session().changed({"surface": Surface(p_camera_surface=(0.0, 0.0, 3.0))})
+    assert warm.needed(session) == ("surface",)
 
 
 def finish() -> None:

@@ -278,9 +278,9 @@ def _missing(asked: Session, path: Path) -> Sequence[Wanted]:
 def _track(
     task: Task, asked: Session, video: Video, wanted: Sequence[Wanted], send: SendStep, stop: Event
 ) -> _Found:
-    from keypose.tracker.warm import warm
+    from keypose.tracker.warm import needed, warm
 
-    warm()
+    warm(needed(asked))
     found, percent = _Found([]), 0
     try:
         given = (asked, task.session, video, wanted)

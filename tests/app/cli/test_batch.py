@@ -32,7 +32,7 @@ Capture = pytest.CaptureFixture[str]
 @pytest.fixture
 def sessions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     """Three sessions; the work is done in this process."""
-    monkeypatch.setattr(warm, "is_warm", lambda: True)
+    monkeypatch.setattr(warm, "is_warm", lambda *parts: True)
     meeting(monkeypatch, lambda number, task: None)
     return write_sessions(tmp_path / "all", "a", "b", "c")
 
@@ -333,7 +333,7 @@ def test_wrong_arguments_are_one_sentence(
 def test_a_full_disk_fails_the_sessions_with_a_sentence_each_and_the_table_is_there(
     small_disk: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    monkeypatch.setattr(warm, "is_warm", lambda: True)
+    monkeypatch.setattr(warm, "is_warm", lambda *parts: True)
     meeting(monkeypatch, lambda number, task: None)
     write_sessions(small_disk / "all", "a", "b")
     fill(small_disk / "ballast")
