@@ -15,7 +15,16 @@ from keypose.tracker.body.skeleton import BODIES, Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.layout import Articulation, JointRanges, Lens, Places
-from keypose.tracker.kernels.places import move_all, place_all, place_poses
+from keypose.tracker.kernels.limits import add_limits, limit_cost
+from keypose.tracker.kernels.places import (
+    add_depth,
+    add_picture,
+    depth_cost,
+    move_all,
+    picture_cost,
+    place_all,
+    place_poses,
+)
 from keypose.tracker.kernels.robust import CAUCHY, HUBER, LEAST_SQUARES, TUKEY
 from keypose.tracker.kernels.steps import motions_between
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Squared, Tukey
@@ -137,3 +146,41 @@ class Placed:
         """(N, D) as `Posed.motion_from`."""
         here, there = (Rs_parent_part, ps_camera_root), (self.Rs_parent_part, self.ps_camera_root)
         return _motions(self.chain, *here, *there, backward)
+
+    def picture_cost(
+        self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
+        kernel: Kernel,
+    ) -> float:  # fmt: skip
+        """What it costs that places are seen at uv (N, J, 2), scale (N, J) in 1/px."""
+        parts, seen = (self.Rs_camera_part, self.ps_camera_part), (lens_of(camera), uv, scale)
+        return float(picture_cost(places, *parts, *seen, nearest_m, *numbered(kernel)))
+
+    def add_picture(
+        self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
+        kernel: Kernel, A: Array, b: Array,
+    ) -> float:  # fmt: skip
+        """The same, and A (N, D, D), b (N, D) += the normal equations."""
+        parts = self.Rs_camera_part, self.ps_camera_part, self.twists
+        seen = lens_of(camera), uv, scale
+        return float(add_picture(places, *parts, *seen, nearest_m, *numbered(kernel), A, b))
+
+    def depth_cost(self, places: Places, depth: Array, scale: Array, kernel: Kernel) -> float:
+        """What it costs that places are so much farther than the root: depth, scale (N, J)."""
+        parts = self.Rs_camera_part, self.ps_camera_part
+        return float(depth_cost(places, *parts, depth, scale, *numbered(kernel)))
+
+    def add_depth(
+        self, places: Places, depth: Array, scale: Array, kernel: Kernel, A: Array, b: Array
+    ) -> float:
+        """The same, and A, b += the normal equations."""
+        parts = self.Rs_camera_part, self.ps_camera_part, self.twists
+        known = depth, scale, *numbered(kernel)
+        return float(add_depth(self.chain, places, *parts, *known, A, b))
+
+    def limit_cost(self, ranges: JointRanges) -> float:
+        """What it costs to lie outside these ranges."""
+        return float(limit_cost(ranges, self.Rs_parent_part))
+
+    def add_limits(self, ranges: JointRanges, A: Array, b: Array) -> float:
+        """The same, and A, b += the normal equations."""
+        return float(add_limits(self.chain, ranges, self.Rs_parent_part, A, b))

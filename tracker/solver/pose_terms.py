@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +13,6 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.kernels.layout import JointRanges, Lens
-from keypose.tracker.kernels.limits import add_limits, limit_cost
-from keypose.tracker.kernels.places import add_depth, add_picture, depth_cost, picture_cost
-from keypose.tracker.solver.placed import lens_of, numbered, ranges_of
 from keypose.tracker.solver.posed import BodyPoints, Posed
 from keypose.tracker.solver.robust import SQUARED, Kernel
 from keypose.tracker.solver.terms import (
@@ -27,6 +24,9 @@ from keypose.tracker.solver.terms import (
     half_squares,
     robust_cost,
 )
+
+if TYPE_CHECKING:
+    from keypose.tracker.kernels.layout import JointRanges
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,19 +62,14 @@ class PointsInPicture(SummedTerm):
     kernel: Kernel = SQUARED
 
     def cost(self, posed: Posed) -> float:
-        at = posed.placed
-        parts = at.Rs_camera_part, at.ps_camera_part
-        return float(picture_cost(self.points.places, *parts, *self._compared(posed)))
+        return posed.placed.picture_cost(self.points.places, *self._compared(posed))
 
     def add_to(self, posed: Posed, A: Array, b: Array) -> float:
-        at = posed.placed
-        parts = at.Rs_camera_part, at.ps_camera_part, at.twists
-        return float(add_picture(self.points.places, *parts, *self._compared(posed), A, b))
+        return posed.placed.add_picture(self.points.places, *self._compared(posed), A, b)
 
-    def _compared(self, posed: Posed) -> tuple[Lens, Array, Array, float, int, float]:
-        """What the loops compare with."""
+    def _compared(self, posed: Posed) -> tuple[Camera, Array, Array, float, Kernel]:
         uv, scale = posed.each(self.uv, 2), posed.each(self.scale, 1)
-        return lens_of(self.camera), uv, scale, self.nearest_m, *numbered(self.kernel)
+        return self.camera, uv, scale, self.nearest_m, self.kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,20 +85,13 @@ class DepthFromRoot(SummedTerm):
     kernel: Kernel = SQUARED
 
     def cost(self, posed: Posed) -> float:
-        at = posed.placed
-        parts = at.Rs_camera_part, at.ps_camera_part
-        return float(depth_cost(self.points.places, *parts, *self._compared(posed)))
+        return posed.placed.depth_cost(self.points.places, *self._compared(posed))
 
     def add_to(self, posed: Posed, A: Array, b: Array) -> float:
-        at = posed.placed
-        parts = at.Rs_camera_part, at.ps_camera_part, at.twists
-        compared = self._compared(posed)
-        return float(add_depth(at.chain, self.points.places, *parts, *compared, A, b))
+        return posed.placed.add_depth(self.points.places, *self._compared(posed), A, b)
 
-    def _compared(self, posed: Posed) -> tuple[Array, Array, int, float]:
-        """What the loops compare with."""
-        depth, scale = posed.each(self.depth, 1), posed.each(self.scale, 1)
-        return depth, scale, *numbered(self.kernel)
+    def _compared(self, posed: Posed) -> tuple[Array, Array, Kernel]:
+        return posed.each(self.depth, 1), posed.each(self.scale, 1), self.kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,14 +151,16 @@ class JointLimits(SummedTerm):
     onset_rad: float = 0.0
 
     def cost(self, posed: Posed) -> float:
-        return float(limit_cost(self._ranges(posed.skeleton), posed.placed.Rs_parent_part))
+        return posed.placed.limit_cost(self._ranges(posed))
 
     def add_to(self, posed: Posed, A: Array, b: Array) -> float:
-        at = posed.placed
-        return float(add_limits(at.chain, self._ranges(posed.skeleton), at.Rs_parent_part, A, b))
+        return posed.placed.add_limits(self._ranges(posed), A, b)
 
-    def _ranges(self, skeleton: Skeleton) -> JointRanges:
+    def _ranges(self, posed: Posed) -> JointRanges:
         """The limits for the loops, made once for each body."""
+        from keypose.tracker.solver.placed import ranges_of  # loops, as in `Posed.placed`
+
+        skeleton = posed.skeleton
         if skeleton not in self._known:
             self._known[skeleton] = ranges_of(
                 skeleton, self.limits, self.sigma_rad, self.allowed, self.onset_rad
