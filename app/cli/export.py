@@ -20,7 +20,6 @@ from keypose.app.export.motion_files import (
     saved_motion,
 )
 from keypose.app.export.motion_formats import require_meant
-from keypose.app.export.opensim_files import files_for_model
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.words.camera import unscaled_words
 from keypose.tracker.errors import FormatError
@@ -51,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     }
     for_model = None
     if arguments.model is not None:
+        from keypose.app.export.opensim_files import files_for_model  # loads what only this needs
+
         for_model = files_for_model(recording, order, arguments.model, arguments.out)
         files |= for_model.files
     places = {arguments.out / name: content for name, content in files.items()}

@@ -39,7 +39,6 @@ from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.files import read_regular
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.geometry.steady import SteadyCamera
-from keypose.tracker.keypoints.detectors import detector_fingerprint
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.session.references import KEYPOINT_RUN, FirstMotion, KeypointFile, OwnRun
@@ -293,6 +292,8 @@ def _shows_outlines(keypoints: Keypoints) -> bool:
 
 def _model_of(session: Session, network: str) -> str:
     """Return the SHA-256 of the network that a session has chosen; empty if another one found."""
+    from keypose.tracker.keypoints.detectors import detector_fingerprint  # what runs networks
+
     with suppress(KeypointError):  # it is not here any more
         model = find_model(session.settings.network_used)
         if network == detector_fingerprint(model):

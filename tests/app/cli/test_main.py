@@ -314,6 +314,33 @@ def test_what_answers_at_once_loads_no_heavy_library(words: list[str]) -> None:
     assert not heavy & loaded
 
 
+PAGE = {"starlette", "uvicorn", "viser", "websockets"}
+LOOPS = {"numba", "llvmlite", "scipy"}
+NETWORKS = {"ai_edge_litert", "onnxruntime", "keypose.tracker.keypoints.runtimes"}
+MESHES = {"trimesh", "keypose.tracker.surface.mesh"}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["export", "--format", "csv,bvh", "--out", "{out}"], ["review"], ["schema", "session"]],
+    ids=lambda words: words[0],
+)
+def test_what_reads_and_writes_files_loads_neither_loops_nor_networks_nor_the_page(
+    tracked_path: Path, tmp_path: Path, words: list[str]
+) -> None:
+    name, *options = (word.format(out=tmp_path / "out") for word in words)
+    about = [] if name == "schema" else [str(tracked_path)]
+    ended = f"sys.exit(main({[name, *about, *options]}))"
+    loaded = loaded_by(f"from keypose.app.cli.main import main; {ended}")
+    assert f"keypose.app.cli.{name}" in loaded
+    assert not loaded & (PAGE | LOOPS | NETWORKS | MESHES)
+
+
+@pytest.mark.parametrize("command", ["track", "stand", "draft", "run", "camera"])
+def test_what_finds_motion_loads_nothing_of_the_page(command: str) -> None:
+    assert not loaded_by(f"import keypose.app.cli.{command}") & PAGE
+
+
 @pytest.mark.parametrize("module", ["keypose.app.server.server", "keypose.app.store.store"])
 def test_the_page_loads_no_compiled_loops_and_no_statistics_before_they_are_wanted(
     module: str,
