@@ -218,7 +218,7 @@ def compiled_loops() -> Iterator[Finding]:
         remedy = "Make room there, or set XDG_CACHE_HOME to another folder of yours."
         yield Finding("compiled loops", "warning", words, remedy)
     else:
-        words = "not compiled yet: the first tracking takes about half a minute longer"
+        words = "not all compiled yet: the first tracking takes up to half a minute longer"
         yield Finding("compiled loops", "note", words)
     older = [folder for folder in usual.glob("*") if folder.is_dir() and folder != place]
     if older:
