@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self, TypeAlias, Union
 
-from pydantic import Field, FiniteFloat, TypeAdapter, model_validator
+from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
 
 from keypose.app.editor import (
     body,
@@ -326,4 +326,6 @@ MESSAGES = tuple(
 """What `update` does: each file lists its own."""
 
 _KINDS: Any = Union[(*MESSAGES, Running, PoseKeeping, InsertPose)]
-ACTIONS: TypeAdapter[Action] = TypeAdapter(Annotated[_KINDS, Field(discriminator="do")])
+ACTIONS: TypeAdapter[Action] = TypeAdapter(
+    Annotated[_KINDS, Field(discriminator="do")], config=ConfigDict(defer_build=True)
+)

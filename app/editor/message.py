@@ -44,7 +44,7 @@ PoseId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")]
 class Message(BaseModel):
     """One message; fields it does not know are refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 class Edit(Message):
