@@ -183,3 +183,32 @@ def add_depth(chain, places, HR, Ho, S, depth, scale, kind, width, A, b):
                 for k in range(count):
                     A[n, d, places.dofs[first + k]] += g * v[k, 2]
     return 0.5 * cost
+
+
+@compiled
+def find_windows(chain, corners, lens, nearest, R, t, windows):
+    """windows (N, 4) ← left, top, right and bottom pixel of the corners (P, K, 3) of a body's parts
+    in poses R, t; infinite where one is nearer than that, or nowhere."""
+    parts = corners.shape[0]
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
+    for n in range(windows.shape[0]):
+        place_parts(chain, R[n], t[n], HR, Ho)
+        left = top = np.inf
+        right = bottom = -np.inf
+        is_near = False
+        for i in range(parts):
+            for k in range(corners.shape[1]):
+                a, b, c = corners[i, k, 0], corners[i, k, 1], corners[i, k, 2]
+                x = HR[i, 0, 0] * a + HR[i, 0, 1] * b + HR[i, 0, 2] * c + Ho[i, 0]
+                y = HR[i, 1, 0] * a + HR[i, 1, 1] * b + HR[i, 1, 2] * c + Ho[i, 1]
+                z = HR[i, 2, 0] * a + HR[i, 2, 1] * b + HR[i, 2, 2] * c + Ho[i, 2]
+                is_near = is_near or not z > nearest
+                away = z if lens.perspective == 1 else lens.distance
+                u, v = x / away * lens.fx + lens.cx, y / away * lens.fy + lens.cy
+                left, right = min(left, u), max(right, u)
+                top, bottom = min(top, v), max(bottom, v)
+        if is_near or not np.isfinite(left + right + top + bottom):
+            left = top = -np.inf
+            right = bottom = np.inf
+        windows[n, 0], windows[n, 1] = left, top
+        windows[n, 2], windows[n, 3] = right, bottom

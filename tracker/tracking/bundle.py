@@ -27,7 +27,7 @@ from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, FIRST_GREY_OF_SEGMENT
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.terms import Equations, Term
 from keypose.tracker.tracking.scene import Scene
-from keypose.tracker.tracking.windows import show, show_posed
+from keypose.tracker.tracking.windows import show
 from keypose.tracker.video.pyramid import Clip
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Textures(Term):
     @classmethod
     def of(cls, scene: Scene, clip: Clip, start: Trajectory, stride: int) -> Textures:
         """What the first and the last frame show of the body at the start."""
-        frames, shown = len(start), show(scene, clip, start)
+        frames, shown = len(start), show(scene, clip, *start.writable())
         pictures, lens = shown.levels[0], shown.seen_by(scene.lens)
         slots = clip.slots(start.first_frame, start.last_frame)
         size, (height, width) = len(scene.points.points), pictures.shape[1:3]
@@ -103,7 +103,7 @@ class Textures(Term):
 
     def equations(self, posed: Posed) -> Equations:
         scene, R, t = self.scene, posed.Rs_parent_part.copy(), posed.p_camera_root.copy()
-        shown = show_posed(scene, self.clip, posed.Ts_camera_part)
+        shown = show(scene, self.clip, R, t)
         pictures, lens = shown.levels[0], shown.seen_by(scene.lens)
         if next(self.solves) % LOOK_AGAIN == 0:
             height, width = pictures.shape[1:3]

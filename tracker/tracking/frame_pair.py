@@ -144,7 +144,7 @@ def _printed_steps(
 
 def printed_score(scene: Scene, clip: Clip, trajectory: Trajectory) -> float:
     """Σ over frames and points of the squared difference of brightness.  DRIFT (4)"""
-    shown = show(scene, clip, trajectory)
+    shown = show(scene, clip, *trajectory.writable())
     return _printed_sum(_printed_steps(scene, clip, shown, trajectory, 1))
 
 
@@ -210,7 +210,7 @@ def keyframe_difference(scene: Scene, segment: Segment, stride: int) -> float:
 def _capped(
     scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, stride: int
 ) -> float:
-    shown = show(scene, clip, trajectory)
+    shown = show(scene, clip, *trajectory.writable())
     return float(
         mean_capped_square(
             scene.arrays, shown.seen_by(scene.lens), scene.visibility, shown.levels[0], slots,

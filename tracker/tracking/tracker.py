@@ -21,6 +21,7 @@ from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
+from keypose.tracker.solver.placed import lens_of
 from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
 from keypose.tracker.tracking.cues.anchors import (
     anchors_of,
@@ -43,7 +44,7 @@ from keypose.tracker.tracking.parts.correct import (
 )
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.result import SegmentResult
-from keypose.tracker.tracking.scene import Scene, lens_of
+from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.tracking.windows import MARGIN, body_windows, window_around
 from keypose.tracker.video import Video
@@ -245,7 +246,7 @@ class Tracker:
         motion = interpolate(start, end, *span)
         loader = self.loader(span)
         lens = lens_of(loader.size.camera(loader.camera))
-        windows = body_windows(self.skeleton, lens, motion.transforms(self.skeleton))
+        windows = body_windows(self.skeleton, lens, *motion.writable())
         return loader.load(*span, window_around(windows), window_around(windows, MARGIN))
 
     def scene_about(

@@ -15,11 +15,12 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.layout import Lens
+from keypose.tracker.kernels.places import find_windows
+from keypose.tracker.solver.placed import articulation
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.video.pyramid import Clip, Prepared, Window
 
@@ -37,18 +38,13 @@ NEAREST_M = 0.05
 """Nothing nearer is seen; where it would be seen, nobody knows."""
 
 
-def body_windows(skeleton: Skeleton, lens: Lens, Ts: Array) -> NDArray[np.float64]:
-    """(N, 4) left, top, right and bottom pixel of a body's surface at transforms (N, P, 4, 4);
-    infinite where a part of it comes too near to the camera, or is nowhere."""
+def body_windows(skeleton: Skeleton, lens: Lens, Rs: Array, ps: Array) -> NDArray[np.float64]:
+    """(N, 4) left, top, right and bottom pixel of a body's surface in poses Rs (N, P, 3, 3), ps
+    (N, 3); infinite where a part of it comes too near to the camera, or is nowhere."""
+    windows = np.empty((len(ps), 4))
     corners = _corners(skeleton)
-    p = np.einsum("npab,pkb->npka", Ts[..., :3, :3], corners) + Ts[..., None, :3, 3]
-    near = ~(p[..., 2].min(axis=(1, 2)) > NEAREST_M)
-    z = np.maximum(p[..., 2:], NEAREST_M)
-    away = z if lens.perspective else np.full_like(z, lens.distance)
-    uv = p[..., :2] / away * (lens.fx, lens.fy) + (lens.cx, lens.cy)
-    found = np.concatenate([uv.min(axis=(1, 2)), uv.max(axis=(1, 2))], axis=-1)
-    found[near] = (-np.inf, -np.inf, np.inf, np.inf)
-    return found
+    find_windows(articulation(skeleton), corners, lens, NEAREST_M, Rs, ps, windows)
+    return windows
 
 
 @lru_cache(maxsize=8)
@@ -57,7 +53,7 @@ def _corners(skeleton: Skeleton) -> Array:
     surfaces = [part.shape.mesh().vertices for part in skeleton.body.parts]
     ends = np.array([[own.min(axis=0), own.max(axis=0)] for own in surfaces])  # (P, 2, 3)
     which = np.array(list(product((0, 1), repeat=3)))  # (8, 3)
-    return ends[:, which, np.arange(3)]
+    return np.ascontiguousarray(ends[:, which, np.arange(3)])
 
 
 def window_around(windows: NDArray[np.float64], margin: float = 0.0) -> Window | None:
@@ -71,14 +67,9 @@ def window_around(windows: NDArray[np.float64], margin: float = 0.0) -> Window |
     return Window(left, top, right, bottom).grown(EDGE_PX + margin * extent)
 
 
-def show(scene: Scene, clip: Clip, trajectory: Trajectory) -> Prepared:
-    """The pictures of a clip, which show the body wherever a trajectory has it."""
-    return show_posed(scene, clip, scene.transforms(trajectory))
-
-
-def show_posed(scene: Scene, clip: Clip, Ts: Array) -> Prepared:
-    """The same of poses with the transforms (N, P, 4, 4)."""
-    windows = body_windows(scene.skeleton, scene.lens, Ts)
+def show(scene: Scene, clip: Clip, Rs: Array, ps: Array) -> Prepared:
+    """The pictures of a clip, which show the body in poses Rs (N, P, 3, 3), ps (N, 3)."""
+    windows = body_windows(scene.skeleton, scene.lens, Rs, ps)
     return clip.cover(window_around(windows), window_around(windows, MARGIN))
 
 
@@ -88,7 +79,7 @@ def show_all(
     """A window around several trajectories that they alone decide, wider by some pixels; and
     pictures that show it."""
     windows = np.concatenate(
-        [body_windows(scene.skeleton, scene.lens, scene.transforms(each)) for each in trajectories]
+        [body_windows(scene.skeleton, scene.lens, *each.writable()) for each in trajectories]
     )
     around = window_around(windows)
     whole = Window.whole(scene.camera.width, scene.camera.height)
@@ -105,11 +96,11 @@ def follow_within(
     is_chain: each pose follows from the one before, so that none counts after the first that left.
     """
     skeleton = scene.skeleton
-    windows = body_windows(skeleton, scene.lens, part_transforms(skeleton, *start))
+    windows = body_windows(skeleton, scene.lens, *start)
     shown = clip.cover(window_around(windows), window_around(windows, MARGIN))
     for turn in range(MOST_TURNS):
         poses = follow(shown)
-        led = body_windows(skeleton, scene.lens, part_transforms(skeleton, *poses))
+        led = body_windows(skeleton, scene.lens, *poses)
         if _shows(clip, shown, led):
             return poses
         left = np.array([not _shows(clip, shown, each) for each in led[:, None]])

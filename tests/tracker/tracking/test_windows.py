@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.body.body import PRESETS, preset
-from keypose.tracker.body.pose import Pose, part_transforms
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -122,7 +122,7 @@ def test_a_chain_that_leaves_its_window_is_followed_in_a_wider_one() -> None:
     found, areas = [], []
     for window in (
         Window(0, 0, 320, 180),
-        window_around(body_windows(scene.skeleton, scene.lens, _placed(scene.skeleton, start))),
+        window_around(body_windows(scene.skeleton, scene.lens, *_one(start))),
     ):
         clip = ClipLoader(video, BOX.camera, WorkingSize(0)).load(0, 12, window)
         areas.append(area(clip))
@@ -132,8 +132,9 @@ def test_a_chain_that_leaves_its_window_is_followed_in_a_wider_one() -> None:
     assert areas[2] < areas[3] <= areas[0]
 
 
-def _placed(skeleton: Skeleton, pose: Pose) -> Any:
-    return part_transforms(skeleton, pose.Rs_parent_part[None], pose.p_camera_root[None])
+def _one(pose: Pose) -> tuple[Any, Any]:
+    """A pose as an array of poses."""
+    return pose.Rs_parent_part[None].copy(), pose.p_camera_root[None].copy()
 
 
 def test_a_pose_that_lies_beside_the_window_is_scored_as_in_the_whole_picture() -> None:
@@ -174,8 +175,8 @@ def test_the_window_holds_every_point_of_the_body(name: str, camera: Any) -> Non
         skeleton = Skeleton.of(preset(name)) if seed else random_body(seed)
         pose = random_pose(skeleton, seed, 0.7, 9.0)
         scene = scene_of(skeleton, camera, [pose])
-        (found,) = body_windows(scene.skeleton, scene.lens, _placed(skeleton, pose))
-        Ts, points = _placed(skeleton, pose)[0], scene.points
+        (found,) = body_windows(scene.skeleton, scene.lens, *_one(pose))
+        Ts, points = pose_transforms(skeleton, pose), scene.points
         part = np.repeat(np.arange(skeleton.part_count), np.diff(points.starts))
         p = np.einsum("sab,sb->sa", Ts[part, :3, :3], points.points) + Ts[part, :3, 3]
         uv = camera.project(p)
@@ -185,9 +186,4 @@ def test_the_window_holds_every_point_of_the_body(name: str, camera: Any) -> Non
 
 def test_a_body_that_comes_too_near_is_looked_for_everywhere() -> None:
     pose = replace(PERSON.truth.pose(0), p_camera_root=np.array([0.0, 0.0, 0.1]))
-    assert (
-        window_around(
-            body_windows(PERSON.skeleton, PERSON.scene().lens, _placed(PERSON.skeleton, pose))
-        )
-        is None
-    )
+    assert window_around(body_windows(PERSON.skeleton, PERSON.scene().lens, *_one(pose))) is None

@@ -37,7 +37,7 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     dofs = scene.skeleton.dof_count
     A, sigma = np.empty((n, dofs, dofs)), np.empty(n)
     residual, shown = np.empty((n, parts)), np.empty((n, parts), np.int64)
-    pictures = show(scene, clip, trajectory)
+    pictures = show(scene, clip, *trajectory.writable())
     observe_pairs(
         scene.arrays, pictures.seen_by(scene.lens), scene.visibility, pictures.levels[0],
         clip.slots(trajectory.first_frame, trajectory.last_frame),
