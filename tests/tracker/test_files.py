@@ -226,7 +226,7 @@ OWN_READS = {
     "tracker/formats/joint_names.py": "a table that comes with the program",
     "tracker/formats/rigs/table.py": "tables that come with the program",
     "tracker/formats/usd.py": "a file that was just written",
-    "tracker/kernels/__init__.py": "the program's own text",
+    "tracker/kernels/compiling.py": "the program's own text",
     "tracker/keypoints/known_person.py": "a picture that comes with the program",
     "tracker/limits.py": "a number of the system's",
     "tracker/storage/atomic.py": "what was just seen to be a regular file",
