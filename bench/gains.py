@@ -61,7 +61,8 @@ from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.least_squares import Criteria, Damping, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPosition
-from keypose.tracker.solver.posed import BodyPoints, free_skeleton, image_points
+from keypose.tracker.solver.posed import BodyPoints, free_skeleton
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.tracking import anchored_cycle
 from keypose.tracker.tracking.cues import anchors as anchors_module
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints

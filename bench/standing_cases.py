@@ -35,7 +35,8 @@ from keypose.tracker.solver.fit_joints import NEAREST_M
 from keypose.tracker.solver.least_squares import JOINTS, least_squares
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPosition
-from keypose.tracker.solver.posed import free_skeleton, image_points, joints_and_landmarks
+from keypose.tracker.solver.posed import free_skeleton, joints_and_landmarks
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.results import Results, segment_key
 from keypose.tracker.storage.space import solved

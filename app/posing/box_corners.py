@@ -44,8 +44,9 @@ from keypose.tracker.solver.least_squares import (
 )
 from keypose.tracker.solver.one_pose import OnePose
 from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPosition
-from keypose.tracker.solver.posed import BodyPoints, image_jacobian, image_points
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.posed import Posed as SolverPosed
+from keypose.tracker.solver.projection import image_jacobian, image_points
 from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
 EDGE_SIGMA, VOLUME_SIGMA = 0.5, 1e-3

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import pairwise
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from keypose.tracker.body.joint_limits import LEAST_COS, LEAST_DETERMINED, Limits
+from keypose.tracker.body.joint_limits import LEAST_COS, LEAST_DETERMINED
 from keypose.tracker.body.skeleton import BODIES, Skeleton
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, transform
 from keypose.tracker.kernels.layout import Articulation, JointRanges, Lens, Places
 from keypose.tracker.kernels.limits import add_limits, limit_cost
 from keypose.tracker.kernels.places import (
@@ -28,6 +27,9 @@ from keypose.tracker.kernels.places import (
 from keypose.tracker.kernels.robust import CAUCHY, HUBER, LEAST_SQUARES, TUKEY
 from keypose.tracker.kernels.steps import motions_between
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Squared, Tukey
+
+if TYPE_CHECKING:
+    from keypose.tracker.solver.pose_terms import JointLimits
 
 NUMBERS: Mapping[type[Kernel], int] = {
     Squared: LEAST_SQUARES, Huber: HUBER, Tukey: TUKEY, Cauchy: CAUCHY,
@@ -47,22 +49,10 @@ def articulation(skeleton: Skeleton) -> Articulation:
     )
 
 
-def places_of(
-    skeleton: Skeleton, counts: Sequence[int], parts: NDArray[np.int64], points: Array
-) -> Places:
-    """Places on a body, each the mean of so many points (K, 3) in the frames of parts (K,)."""
-    starts = np.cumsum([0, *counts])
-    moves = np.ascontiguousarray(skeleton.below[parts][:, skeleton.dof_part])
-    moved = [np.flatnonzero(moves[first:last].any(axis=0)) for first, last in pairwise(starts)]
-    dof_starts = np.cumsum([0, *(len(dofs) for dofs in moved)])
-    dofs = np.concatenate([*moved, np.zeros(0, np.int64)])
-    return Places(starts, parts, points, dof_starts, dofs, moves)
-
-
-def ranges_of(
-    skeleton: Skeleton, limits: Limits, sigma_rad: float, allowed: Array | None, onset_rad: float
-) -> JointRanges:
+@lru_cache(maxsize=8 * BODIES)
+def ranges_of(skeleton: Skeleton, term: JointLimits) -> JointRanges:
     """Joint limits, and what may lie beyond them."""
+    limits, allowed = term.limits, term.allowed
     parts, twists = skeleton.part_count, limits.twists
     place = np.full(parts, -1)
     place[limits.twisted] = np.arange(len(limits.twisted))
@@ -77,7 +67,7 @@ def ranges_of(
         np.any(np.isfinite([limits.low, limits.high]), axis=(0, 2)),
         place, low, high, R_rest,
         np.zeros((parts, 4)) if allowed is None else np.array(allowed),
-        sigma_rad, onset_rad, LEAST_COS, LEAST_DETERMINED,
+        term.sigma_rad, term.onset_rad, LEAST_COS, LEAST_DETERMINED,
         np.searchsorted(skeleton.dof_part, np.arange(parts + 1)),
     )  # fmt: skip
 
@@ -112,7 +102,7 @@ class Placed:
     (N, P, 3) · twists (N, D, 6) of the degrees of freedom.
     """
 
-    chain: Articulation
+    skeleton: Skeleton
     Rs_parent_part: Array
     ps_camera_root: Array
     Rs_camera_part: Array
@@ -125,9 +115,18 @@ class Placed:
         count, parts = Rs_parent_part.shape[:2]
         R, p = np.empty((count, parts, 3, 3)), np.empty((count, parts, 3))
         S = np.empty((count, skeleton.dof_count, 6))
-        chain = articulation(skeleton)
-        place_poses(chain, Rs_parent_part, ps_camera_root, R, p, S)
-        return cls(chain, Rs_parent_part, ps_camera_root, R, p, S)
+        place_poses(articulation(skeleton), Rs_parent_part, ps_camera_root, R, p, S)
+        return cls(skeleton, Rs_parent_part, ps_camera_root, R, p, S)
+
+    @cached_property
+    def Ts_camera_part(self) -> Array:
+        """(N, P, 4, 4)"""
+        return transform(self.Rs_camera_part, self.ps_camera_part)
+
+    @property
+    def chain(self) -> Articulation:
+        """How they move."""
+        return articulation(self.skeleton)
 
     def positions(self, places: Places) -> Array:
         """(N, J, 3) in the camera frame."""
@@ -177,10 +176,11 @@ class Placed:
         known = depth, scale, *numbered(kernel)
         return float(add_depth(self.chain, places, *parts, *known, A, b))
 
-    def limit_cost(self, ranges: JointRanges) -> float:
-        """What it costs to lie outside these ranges."""
-        return float(limit_cost(ranges, self.Rs_parent_part))
+    def limit_cost(self, term: JointLimits) -> float:
+        """What it costs to lie outside limits by more than is allowed."""
+        return float(limit_cost(ranges_of(self.skeleton, term), self.Rs_parent_part))
 
-    def add_limits(self, ranges: JointRanges, A: Array, b: Array) -> float:
+    def add_limits(self, term: JointLimits, A: Array, b: Array) -> float:
         """The same, and A, b += the normal equations."""
+        ranges = ranges_of(self.skeleton, term)
         return float(add_limits(self.chain, ranges, self.Rs_parent_part, A, b))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.posed import BodyPoints, Posed
@@ -26,7 +24,7 @@ from keypose.tracker.solver.terms import (
 )
 
 if TYPE_CHECKING:
-    from keypose.tracker.kernels.layout import JointRanges
+    pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,25 +149,10 @@ class JointLimits(SummedTerm):
     onset_rad: float = 0.0
 
     def cost(self, posed: Posed) -> float:
-        return posed.placed.limit_cost(self._ranges(posed))
+        return posed.placed.limit_cost(self)
 
     def add_to(self, posed: Posed, A: Array, b: Array) -> float:
-        return posed.placed.add_limits(self._ranges(posed), A, b)
-
-    def _ranges(self, posed: Posed) -> JointRanges:
-        """The limits for the loops, made once for each body."""
-        from keypose.tracker.solver.placed import ranges_of  # loops, as in `Posed.placed`
-
-        skeleton = posed.skeleton
-        if skeleton not in self._known:
-            self._known[skeleton] = ranges_of(
-                skeleton, self.limits, self.sigma_rad, self.allowed, self.onset_rad
-            )
-        return self._known[skeleton]
-
-    @cached_property
-    def _known(self) -> dict[Skeleton, JointRanges]:
-        return {}
+        return posed.placed.add_limits(self, A, b)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,10 @@ are x (D,) over the tracked degrees of freedom, on the right, in each part's own
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -17,11 +18,11 @@ from numpy.typing import NDArray
 from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Point
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array, transform
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.kernels.layout import Places
+from keypose.tracker.solver.plain_placed import PlainPlaced
 
 if TYPE_CHECKING:
-    from keypose.tracker.kernels.layout import Places
     from keypose.tracker.solver.placed import Placed
 
 
@@ -47,17 +48,19 @@ class Posed:
         return self.p_camera_root.shape[:-1]
 
     @cached_property
-    def placed(self) -> Placed:
-        """All N poses, one after another, for the loops."""
-        from keypose.tracker.solver.placed import Placed  # loops: what only writes files needs none
-
+    def placed(self) -> Placed | PlainPlaced:
+        """All N poses, one after another: many by the loops, one without them."""
         R, p = self.each(self.Rs_parent_part, 3), self.each(self.p_camera_root, 1)
+        if not self.batch:
+            return PlainPlaced(self.skeleton, R, p)
+        from keypose.tracker.solver.placed import Placed  # loops: who poses by hand needs none
+
         return Placed.of(self.skeleton, R, p)
 
     @cached_property
     def Ts_camera_part(self) -> Array:
         """(..., P, 4, 4)"""
-        T = transform(self.placed.Rs_camera_part, self.placed.ps_camera_part)
+        T = self.placed.Ts_camera_part
         return T.reshape(*self.batch, *T.shape[1:])
 
     @cached_property
@@ -109,23 +112,20 @@ def carried(Ts_camera_part: Array, parts: NDArray[np.int64], points: Array) -> A
     return np.asarray((T[..., :3, :3] @ points[..., None])[..., 0] + T[..., :3, 3])
 
 
-def image_points(camera: Camera, p: Array) -> Array:
-    """Pixels (..., 2) of points (..., 3) without distortion, also behind the camera."""
-    z = camera.depth(p)[..., None]
-    return np.asarray(p[..., :2] / z * (camera.fx, camera.fy) + (camera.cx, camera.cy))
-
-
-def image_jacobian(camera: Camera, p: Array, J: Array) -> Array:
-    """(..., D, 2) how the pixels of points p (..., 3) move that move by J (..., D, 3)."""
-    z = camera.depth(p)[..., None, None]
-    uv = J[..., :2] / z
-    if camera.projection == "perspective":
-        uv = uv - p[..., None, :2] / z**2 * J[..., 2:]
-    return np.asarray(uv * (camera.fx, camera.fy))
-
-
 BodyPoint: TypeAlias = tuple[tuple[int, Point], ...]
 """A place on a body: the middle of points, each a part's index and metres in that part's frame."""
+
+
+def places_of(
+    skeleton: Skeleton, counts: Sequence[int], parts: NDArray[np.int64], points: Array
+) -> Places:
+    """Places on a body, each the mean of so many points (K, 3) in the frames of parts (K,)."""
+    starts = np.cumsum([0, *counts])
+    moves = np.ascontiguousarray(skeleton.below[parts][:, skeleton.dof_part])
+    moved = [np.flatnonzero(moves[first:last].any(axis=0)) for first, last in pairwise(starts)]
+    dof_starts = np.cumsum([0, *(len(dofs) for dofs in moved)])
+    dofs = np.concatenate([*moved, np.zeros(0, np.int64)])
+    return Places(starts, parts, points, dof_starts, dofs, moves)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +162,6 @@ class BodyPoints:
     @cached_property
     def places(self) -> Places:
         """The same for the loops."""
-        from keypose.tracker.solver.placed import places_of
-
         parts, points, _ = self._points
         return places_of(self.skeleton, [len(place) for place in self.points], parts, points)
 

@@ -15,7 +15,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.space.pinned import KNEES
 
 HarmKind: TypeAlias = Literal["picture", "knee"]

@@ -43,13 +43,8 @@ from keypose.tracker.solver.pose_terms import (
     PosePrior,
     RootPosition,
 )
-from keypose.tracker.solver.posed import (
-    BodyPoints,
-    Posed,
-    image_points,
-    joints_and_landmarks,
-    with_free_parts,
-)
+from keypose.tracker.solver.posed import BodyPoints, Posed, joints_and_landmarks, with_free_parts
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Huber
 from keypose.tracker.solver.sigmas import (
     BEND,

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from keypose.tracker.body.trajectory import Pass, Trajectory
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, SCORE_GREY2
 from keypose.tracker.tracking.bundle import refine

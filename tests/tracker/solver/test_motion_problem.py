@@ -11,7 +11,8 @@ from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.solver.least_squares import EXACT, least_squares
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem, MotionState, moved_poses
 from keypose.tracker.solver.pose_terms import PointsInPicture, PointsInSpace, PosePrior
-from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, image_points
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.solver.smoothness import Smoothness
 from keypose.tracker.solver.space_terms import AtOnePlace, Differences, Floor, Near, OnFloor

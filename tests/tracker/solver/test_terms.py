@@ -27,11 +27,10 @@ from keypose.tracker.solver.pose_terms import (
     RootPosition,
 )
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, free_skeleton
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
 from keypose.tracker.solver.terms import (
-    Rows,
     RowTerm,
-    SummedTerm,
     Term,
     total_cost,
     total_equations,
@@ -42,7 +41,6 @@ from keypose.tracker.surface.fit.pairing import TargetSurface, pairs_of
 from keypose.tracker.surface.fit.solving import PairDistances
 from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.tracking.scene import Scene
-from tests.tracker.solver import plain_terms as plain
 from tests.tracker.surface.surfaces import surface_of
 from tests.tracker.tracking_cases import smooth_picture
 
@@ -215,25 +213,34 @@ def test_the_gradient_of_every_term_is_that_of_its_cost(name: str, turn_rad: flo
 
 @pytest.mark.parametrize("turn_rad", [1e-3, 0.3, 1.0], ids=["near identity", "bent", "large"])
 @pytest.mark.parametrize("name", ["points in space", "points in a picture", "joint limits",
-                                  "points in a telephoto picture",
+                                  "points in a telephoto picture", "depth from the root",
                                   "depth of the root", "place of the root along rays"])  # fmt: skip
 @pytest.mark.parametrize("skeleton", [SKELETON, TRACKED], ids=["free", "as tracked"])
-def test_the_jacobian_of_every_residual_is_that_of_small_motions(
+def test_the_equations_of_residuals_are_the_products_of_how_they_change(
     skeleton: Skeleton, name: str, turn_rad: float
 ) -> None:
     term = TERMS[name](BodyPoints(skeleton, POINTS))
     pose = _random(4, turn_rad)
-    J = _rows(term, Posed.of(skeleton, pose)).J
-    expected = _difference(lambda posed: _rows(term, posed).r, pose, skeleton)
-    assert np.allclose(J, expected, atol=1e-6 * max(np.abs(expected).max(), 1.0))
+    found = term.equations(Posed.of(skeleton, pose)).A
+    J = _difference(lambda posed: _residuals(term, posed), pose, skeleton)
+    expected = J.T @ J
+    assert np.allclose(found, expected, atol=1e-5 * max(np.abs(expected).max(), 1.0))
 
 
-def _rows(term: Term, posed: Posed) -> Rows:
-    """Of a term that has none, those of its twin, with which it agrees."""
-    if isinstance(term, SummedTerm):
-        return plain.rows(term, posed)
-    assert isinstance(term, RowTerm)
-    return term.rows(posed)
+def _residuals(term: Term, posed: Posed) -> Floats:
+    """What a term compares, in standard deviations."""
+    match term:
+        case PointsInPicture():
+            away = image_points(term.camera, term.points.of(posed)) - term.uv
+            return np.asarray((away * term.scale[:, None]).ravel())
+        case DepthFromRoot():
+            deeper = term.points.of(posed)[:, 2] - posed.p_camera_root[2] - term.depth
+            return np.asarray(deeper * term.scale)
+        case JointLimits():
+            return np.asarray(term.limits.excess(posed.Rs_parent_part)[0].ravel() / term.sigma_rad)
+        case _:
+            assert isinstance(term, RowTerm)
+            return term.rows(posed).r
 
 
 @pytest.mark.parametrize("backward", [True, False])

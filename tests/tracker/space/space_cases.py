@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.solver.posed import BodyPoint, BodyPoints, image_points
+from keypose.tracker.solver.posed import BodyPoint, BodyPoints
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.space.pinned import PinnedPoint
 from keypose.tracker.space.solve import SpaceProblem
 from tests.rendering.scenes import Scene, scene

@@ -22,7 +22,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import height_px
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.sigmas import keypoint_blur
 
 FAR: Final = 0.1

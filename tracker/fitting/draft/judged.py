@@ -29,7 +29,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.session.annotations import FlippedDrafts, Reason
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 
 NEAR_FRAMES = 10
 """Before and after a frame, in which a bone that points the same way is asked as well."""

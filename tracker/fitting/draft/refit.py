@@ -27,7 +27,8 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.session.annotations import LEARN_FRAMES
-from keypose.tracker.solver.posed import BodyPoints, image_jacobian, image_points
+from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.solver.projection import image_jacobian, image_points
 from keypose.tracker.solver.sigmas import (
     HELD,
     LEARNED_DEPTH_M,

@@ -27,7 +27,8 @@ from keypose.tracker.keypoints.on_body import height_px
 from keypose.tracker.solver.least_squares import USUAL
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem
 from keypose.tracker.solver.pose_terms import DepthFromRoot, JointLimits, PointsInPicture, PosePrior
-from keypose.tracker.solver.posed import BodyPoints, image_points
+from keypose.tracker.solver.posed import BodyPoints
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel
 from keypose.tracker.solver.sigmas import (
     BEND,

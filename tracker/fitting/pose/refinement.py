@@ -25,7 +25,8 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import UNJUDGED, Problem, damped_step, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior
-from keypose.tracker.solver.posed import Posed, image_jacobian, image_points
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.projection import image_jacobian, image_points
 from keypose.tracker.solver.sigmas import EDGE_PX, LIMIT_RAD, MOST_EDGE_PX, POSED, THICKNESS_M
 from keypose.tracker.solver.terms import Equations, Term, total_equations
 from keypose.tracker.tracking.scene import Scene

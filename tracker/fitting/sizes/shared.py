@@ -20,7 +20,8 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import USUAL, Problem, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior, RootPosition
-from keypose.tracker.solver.posed import Posed, carried, image_jacobian
+from keypose.tracker.solver.posed import Posed, carried
+from keypose.tracker.solver.projection import image_jacobian
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.sigmas import (
     HEIGHT_SHARE,

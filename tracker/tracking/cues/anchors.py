@@ -31,13 +31,8 @@ from keypose.tracker.keypoints.on_body import (
 from keypose.tracker.keypoints.outliers import excursions
 from keypose.tracker.solver.least_squares import damped_step
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
-from keypose.tracker.solver.posed import (
-    BodyPoints,
-    Posed,
-    image_jacobian,
-    image_points,
-    with_free_parts,
-)
+from keypose.tracker.solver.posed import BodyPoints, Posed, with_free_parts
+from keypose.tracker.solver.projection import image_jacobian, image_points
 from keypose.tracker.solver.robust import SQUARED, Huber, Kernel
 from keypose.tracker.solver.sigmas import (
     BY_HAND_SHARE,

@@ -20,7 +20,8 @@ import numpy as np
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.posed import Posed, image_points
+from keypose.tracker.solver.posed import Posed
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.scene import Scene

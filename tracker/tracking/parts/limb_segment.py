@@ -19,7 +19,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, interpolate, joined
 from keypose.tracker.geometry.rotations import Array, transpose
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.drift import Motions, correct_drift

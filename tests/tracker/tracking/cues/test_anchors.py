@@ -10,7 +10,7 @@ import pytest
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.pose_terms import DepthFromRoot, PointsInPicture
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import SQUARED
 from keypose.tracker.tracking.cues.anchors import keyframe_off_person, with_free_joints
 from tests.tracker.tracking.cues.people import BENT, CAMERA, SKELETON, Filmed, moving

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.cues.reweighting import smoothed_keypoints
 from tests.tracker.tracking.cues.people import Filmed, Floats, moving

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.keypoints.keypoints import JOINTS
-from keypose.tracker.solver.posed import image_points
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.tracking.cues.anchors import Anchors
 from keypose.tracker.tracking.parts.limb_segment import (
     LimbSegment,
