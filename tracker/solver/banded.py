@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.kernels.steps import solve_banded
@@ -17,8 +16,8 @@ def banded_step(rows: Array, gradient: Array, damping: float) -> Array | None:
 
     None where A is not positive definite. The arguments are not changed.
     """
-    damped, step = _damped(rows, damping), -gradient
-    return step if solve_banded(damped, step) else None
+    step, nothing = -gradient, np.zeros((len(gradient), 0))
+    return step if solve_banded(_damped(rows, damping), step, nothing) else None
 
 
 def bordered_step(
@@ -29,15 +28,15 @@ def bordered_step(
 
     None where the equations are not positive definite. Returned are (N + S,), the shared ones last.
     """
-    lower = _damped(rows, damping).T  # as LAPACK has it
-    try:
-        factor = cholesky_banded(lower, lower=True, check_finite=False)
-        solved = cho_solve_banded((factor, True), np.column_stack([gradient, border]))
-        own = corner + np.diag(np.diag(corner)) * damping - border.T @ solved[:, 1:]
-        step = -np.linalg.solve(own, shared - border.T @ solved[:, 0])
-    except (np.linalg.LinAlgError, ValueError):
+    alone, led = gradient.copy(), np.array(border, order="C")
+    if not solve_banded(_damped(rows, damping), alone, led):
         return None
-    return np.append(-(solved[:, 0] + solved[:, 1:] @ step), step)
+    own = corner + np.diag(np.diag(corner)) * damping - border.T @ led
+    try:
+        step = -np.linalg.solve(own, shared - border.T @ alone)
+    except np.linalg.LinAlgError:
+        return None
+    return np.append(-(alone + led @ step), step)
 
 
 def _damped(rows: Array, damping: float) -> Array:

@@ -60,7 +60,7 @@ class Keypose:
 
 Method = Paper | Keypose
 
-FULL = Keypose(3, 4, 6, Refinement(solves=6, stride=2), inner=4, templates=True)
+FULL = Keypose(3, 2, 6, Refinement(solves=4, stride=1), inner=4, density=0.5, templates=True)
 PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, stride=3), finest=1, judged=False, density=0.5)
 
 

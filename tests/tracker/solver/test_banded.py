@@ -114,15 +114,17 @@ def test_a_step_leaves_its_equations_as_they_are() -> None:
         np.testing.assert_array_equal(array, before)
 
 
+@pytest.mark.parametrize("sides", [0, 1, 4])
 @pytest.mark.parametrize(("width", "size"), [(1, 4), (3, 1), (6, 2), (6, 12), (9, 30), (3, 0)])
-def test_a_banded_system_is_solved_as_by_lapack(width: int, size: int) -> None:
+def test_a_banded_system_is_solved_as_by_lapack(width: int, size: int, sides: int) -> None:
     rng = np.random.default_rng(size)
-    rows, b = rng.normal(size=(size, width)), rng.normal(size=size)
+    rows, b = rng.normal(size=(size, width)), rng.normal(size=(size, 1 + sides))
     rows[:, 0] = 2.0 * width
     for k in range(1, width):
         rows[max(size - k, 0) :, k] = 0.0  # outside the matrix
-    x = b.copy()
-    assert solve_banded(rows.copy(), x)
+    one, others = b[:, 0].copy(), b[:, 1:].copy()
+    assert solve_banded(rows.copy(), one, others)
+    x = np.column_stack([one, others])
     np.testing.assert_allclose(dense(rows) @ x, b, atol=1e-12)
     if width <= size:
         np.testing.assert_allclose(x, solveh_banded(rows.T, b, lower=True), atol=1e-12)
@@ -131,4 +133,4 @@ def test_a_banded_system_is_solved_as_by_lapack(width: int, size: int) -> None:
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
 def test_a_banded_system_that_is_not_positive_is_said_to_be_none(value: float) -> None:
     rows = np.array([[1.0, 0.1], [1.0, 0.1], [value, 0.1], [1.0, 0.0]])
-    assert not solve_banded(rows, np.ones(4))
+    assert not solve_banded(rows, np.ones(4), np.ones((4, 2)))
