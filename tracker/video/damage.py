@@ -200,7 +200,7 @@ def _steps(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) ->
         decoder = _decoder(stream) if index.named else stream.codec_context
         if origin > 0:
             try:
-                container.seek(int(index.pts[index.keys[origin]]), stream=stream)
+                container.seek(index.seek_pts(origin), stream=stream)
             except PYAV_ERRORS:
                 return  # a container that cannot seek is read from its beginning
         yield from _Reading(index, size, decoder).steps(path, container, stream)

@@ -192,9 +192,8 @@ class FileSource:
     def _start(self, origin: int) -> _Run:
         """Begin decoding at one of the index's keys; the file's beginning is reached by opening."""
         if origin > 0:
-            pts = int(self._index.pts[self._index.keys[origin]])
             try:
-                self._container.seek(pts, stream=self._stream)
+                self._container.seek(self._index.seek_pts(origin), stream=self._stream)
                 return _Run(self._numbered(synced=False), origin)
             except PYAV_ERRORS:
                 origin = 0  # a container that cannot seek is read from its beginning

@@ -42,6 +42,13 @@ class FrameIndex:
     from_decoding: bool  # every frame was decoded; otherwise read from the packets
     threaded: bool  # False: damaged, so decoded by one thread, always with the same outcome
 
+    def seek_pts(self, origin: int) -> int:
+        """The pts to seek for one of the keys: of the frame after it. Of a film that was cut,
+        FFmpeg goes to the key before for that of the key itself (PyAV 18.1)."""
+        key = int(self.keys[origin])
+        beyond = int(self.keys[origin + 1]) if origin + 1 < len(self.keys) else len(self.pts)
+        return int(self.pts[min(key + 1, beyond - 1)])
+
     def number_of(self, pts: int | None) -> int | None:
         """The number of the frame with this pts, or None."""
         if pts is None:

@@ -23,6 +23,7 @@ from hypothesis import strategies as st
 from keypose.tracker.errors import VideoError
 from keypose.tracker.video import MissingFrame, Video
 from keypose.tracker.video import decode as decode_module
+from keypose.tracker.video.container import decode
 from keypose.tracker.video.index import index_from_decoding, index_from_packets
 from keypose.tracker.video.video import PictureCache
 from tests.tracker.video_cases import (
@@ -418,6 +419,28 @@ def test_a_film_that_was_cut_on_a_phone_is_opened_without_decoding_and_begins_at
         assert [number - cut for number in numbers(video, order)] == order
         deque(video.examine(0, 39 - cut), maxlen=0)
         assert video.info.damaged == video.missing == ()
+
+
+@pytest.mark.parametrize("cut", [0, 5, 13])
+def test_a_jump_decodes_from_the_key_before_on_also_in_a_film_that_was_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cut: int
+) -> None:
+    options = {"bf": "2", "g": "12", "sc_threshold": "0"}
+    whole = write_numbered(tmp_path / "whole.mp4", 60, options=options)
+    path = write_cut(tmp_path / "cut.mp4", whole, cut) if cut else whole
+    given = 0
+
+    def counted(stream: Any, packet: Any) -> Any:
+        nonlocal given
+        given += 1
+        return decode(stream, packet)
+
+    monkeypatch.setattr("keypose.tracker.video.container.decode", counted)
+    with Video.open(path, cache_bytes=0) as video:
+        for wanted in (38, 51, 27):
+            given = 0
+            assert number_in(video.frame(wanted - cut)) == wanted
+            assert 0 < given <= wanted % 12 + 8  # what frames are built on comes first
 
 
 def test_a_file_cut_short_gives_the_frames_it_still_holds(tmp_path: Path) -> None:
