@@ -28,6 +28,8 @@ from keypose.tracker.video.container import (
 # Containers whose packets say which frames will be shown, and when.
 _TRUSTED = {"mov", "matroska", "webm"}
 _DEFAULT_RATE = Fraction(30)
+_MOST_REORDERED = 16
+"""Frames that H.264 and HEVC may hold back until they are shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +43,18 @@ class FrameIndex:
     named: bool  # frames are known by their pts; otherwise by counting from the first
     from_decoding: bool  # every frame was decoded; otherwise read from the packets
     threaded: bool  # False: damaged, so decoded by one thread, always with the same outcome
+    is_cut: bool = False  # the file holds frames before the first that are not shown
 
     def seek_pts(self, origin: int) -> int:
-        """The pts to seek for one of the keys: of the frame after it. Of a film that was cut,
-        FFmpeg goes to the key before for that of the key itself (PyAV 18.1)."""
+        """The pts to seek for one of the keys.
+
+        Of a film that was cut, FFmpeg goes to the key before for that of the key itself, and for
+        those of the next frames, as many as are shown in another order than they are decoded in
+        (PyAV 18.1).
+        """
         key = int(self.keys[origin])
         beyond = int(self.keys[origin + 1]) if origin + 1 < len(self.keys) else len(self.pts)
-        return int(self.pts[min(key + 1, beyond - 1)])
+        return int(self.pts[min(key + _MOST_REORDERED, beyond - 1) if self.is_cut else key])
 
     def number_of(self, pts: int | None) -> int | None:
         """The number of the frame with this pts, or None."""
@@ -100,6 +107,7 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
         named=True,
         from_decoding=False,
         threaded=True,
+        is_cut=hidden > 0 or stream.frames > len(pts),
     )
 
 
