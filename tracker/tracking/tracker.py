@@ -34,7 +34,7 @@ from keypose.tracker.tracking.cycle import Work, track_segment
 from keypose.tracker.tracking.diagnostics.judge import segment_result
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
 from keypose.tracker.tracking.initial.choose import starts
-from keypose.tracker.tracking.method import Keypose, expected_steps, method_of
+from keypose.tracker.tracking.method import Keypose, Method, expected_steps, method_of
 from keypose.tracker.tracking.parts.correct import (
     Evidence,
     KeptOutcomes,
@@ -278,7 +278,7 @@ class Tracker:
         """The expected number of trajectories from `run_segment`."""
         whole = expected_steps(settings)
         if self._uses_keypoints(settings):
-            whole = expected_anchored_steps(method_of(settings).passes)
+            whole = expected_anchored_steps(self._method(settings).passes)
         inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
         if not inside:
             return whole
@@ -317,7 +317,7 @@ class Tracker:
             imported = fit_to_keyframes(known, start, end, first, last)
         clip = self.pictures(span)
         segment = Segment(first, last, start, end, clip, imported, own, self._to_posed_s(span))
-        method = method_of(settings)
+        method = self._method(settings)
         scene = self.scene(span, method.density)
         outlines = self._outlines(segment, settings, emit)
         work, number = self._corrected_work(scene, segment, settings, emit), 0
@@ -366,13 +366,13 @@ class Tracker:
         if not inside:
             return outcome
         seen = self._evidence(scene, segment, settings, emit)
-        return (yield from corrected(outcome, segment, inside, method_of(settings), seen))
+        return (yield from corrected(outcome, segment, inside, self._method(settings), seen))
 
     def _evidence(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
     ) -> Evidence:
         """Return what limbs are tracked from."""
-        method = method_of(settings)
+        method = self._method(settings)
         keypoints = self._keypoints_of(self.keypoint_source(settings), segment, emit)
         if keypoints is None:
             return Evidence(scene)
@@ -383,7 +383,7 @@ class Tracker:
 
     def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
         """Track with keypoints where there are any; without, as if there never were."""
-        method = method_of(settings)
+        method = self._method(settings)
         keypoints = self._keypoints_of(self.keypoint_source(settings), segment, emit)
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame
@@ -424,6 +424,9 @@ class Tracker:
         seen = self._keypoints_of(self._people, segment, emit)
         loader = self.loader((segment.first_frame, segment.last_frame))
         return outlines_of(seen, loader.camera, loader.size)
+
+    def _method(self, settings: TrackSettings) -> Method:
+        return method_of(settings, beside_keypoints=self._uses_keypoints(settings))
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
         """Return where keypoints come from; None where they do not count."""

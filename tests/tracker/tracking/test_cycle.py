@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.tracking.method import FULL, PREVIEW, Keypose, Method, Paper, method_of
+from keypose.tracker.tracking.method import (
+    BESIDE_KEYPOINTS,
+    FULL,
+    PREVIEW,
+    Keypose,
+    Method,
+    Paper,
+    method_of,
+)
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.video.pyramid import Clip
 from tests.rendering.settings import RenderSettings
@@ -95,6 +103,8 @@ def test_the_best_score_is_taken_unless_the_refinement_is_worth_a_little_more(
 def test_more_passes_and_finer_settings_are_those_asked_for() -> None:
     for quality, method in (("full", FULL), ("preview", PREVIEW)):
         assert method_of(TrackSettings(quality=quality)) == method
+    beside = method_of(TrackSettings(quality="full"), beside_keypoints=True)
+    assert beside == BESIDE_KEYPOINTS != FULL
     many = method_of(TrackSettings(passes=7))
     assert isinstance(many, Keypose)
     assert many.passes == 7
