@@ -242,6 +242,7 @@ def rarely_tidied() -> Iterator[None]:
         yield
     finally:
         gc.set_threshold(*before)
+        gc.unfreeze()
 
 
 def _main() -> None:

@@ -176,7 +176,8 @@ function numbers(many, x) {
 }
 
 function spokenScores(one) {
-  return `Error per pass: ${one.scores.map((score) => score?.toFixed(1)).join(', ')}`;
+  const known = one.scores.filter((score) => score !== null);
+  return `Error per pass: ${known.map((score) => score.toFixed(1)).join(', ')}`;
 }
 
 /** The next round number: the scale does not creep while passes come in. */

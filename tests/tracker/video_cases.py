@@ -107,6 +107,38 @@ def write_cut(path: Path, whole: Path, count: int) -> Path:
     return path
 
 
+_HOLDING_EDITS = (b"moov", b"trak", b"edts")
+
+
+def write_pieces(path: Path, whole: Path, pieces: Sequence[tuple[int, int]]) -> Path:
+    """An MP4 that shows pieces of a clip at 30 frames a second: (first frame, frames) of each."""
+    data = whole.read_bytes()
+    movie, media = (
+        struct.unpack(">I", data[at + 16 : at + 20])[0]
+        for at in (data.index(b"mvhd"), data.index(b"mdhd"))
+    )
+    begins = struct.unpack(">i", data[(at := data.index(b"elst")) + 16 : at + 20])[0]
+    edits = [
+        struct.pack(">iihh", count * movie // 30, begins + first * media // 30, 1, 0)
+        for first, count in pieces
+    ]
+
+    def copied(rest: bytes) -> bytes:
+        out = b""
+        while rest:
+            size, kind = struct.unpack(">I4s", rest[:8])
+            box, rest = rest[8:size], rest[size:]
+            if kind == b"elst":
+                box = struct.pack(">II", 0, len(edits)) + b"".join(edits)
+            elif kind in _HOLDING_EDITS:
+                box = copied(box)
+            out += struct.pack(">I4s", len(box) + 8, kind) + box
+        return out
+
+    path.write_bytes(copied(data))
+    return path
+
+
 def write_sound(path: Path) -> Path:
     """A file with a tenth of a second of silence and no pictures."""
     with av.open(str(path), "w") as container:

@@ -69,8 +69,8 @@ class PlainPlaced:
         p = self.positions(places)
         if not (p[..., 2] > nearest_m).all():
             return np.inf
-        away = np.linalg.norm(image_points(camera, p) - uv, axis=-1) * scale
-        return _cost(kernel, away)
+        away = _known(image_points(camera, p) - uv, scale[..., None])
+        return _cost(kernel, np.linalg.norm(away, axis=-1))
 
     def add_picture(
         self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
@@ -78,7 +78,7 @@ class PlainPlaced:
     ) -> float:  # fmt: skip
         """As `Placed.add_picture`."""
         p, J = self.jacobian(places)
-        away = (image_points(camera, p) - uv) * scale[..., None]
+        away = _known(image_points(camera, p) - uv, scale[..., None])
         length = np.linalg.norm(away, axis=-1)
         weight = np.sqrt(kernel.weight(length))[..., None]
         rows = image_jacobian(camera, p, J) * (weight * scale[..., None])[..., None]
@@ -123,7 +123,7 @@ class PlainPlaced:
 
     def _deeper(self, p: Array, depth: Array, scale: Array) -> Array:
         """(N, J) by how much places p are farther than they should be, in σ."""
-        return np.asarray((p[..., 2] - self.ps_camera_root[:, None, 2] - depth) * scale)
+        return _known(p[..., 2] - self.ps_camera_root[:, None, 2] - depth, scale)
 
     def _excess(self, term: JointLimits) -> tuple[Array, Array]:
         """Radians (N, P, 4) beyond what is allowed, and their slopes (N, P, 4, 3)."""
@@ -137,6 +137,11 @@ class PlainPlaced:
         share = np.minimum(np.abs(outside) / onset_rad, 1.0)
         lag = onset_rad * (share - share**2 / 2)
         return np.copysign(np.abs(outside) - lag, outside), slopes * share[..., None]
+
+
+def _known(away: Array, scale: Array) -> Array:
+    """Differences in standard deviations; 0 where nothing is known, whatever stands there."""
+    return np.where(scale > 0, away, 0.0) * scale
 
 
 def _means(places: Places, of_points: Array) -> Array:

@@ -2,10 +2,11 @@
 
 To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
 give `rows` and let `RowTerm` do the rest; where each residual is about one degree of freedom, give
-`diagonal` and let `DiagonalTerm` do it; where time counts, write a loop and let `SummedTerm` call
-it. `BodyPoints` (`posed.py`) says where points of the body are
-and how they move. Put it into the list of the solve it belongs to (`MotionProblem`, `OnePose`), and
-among the cases of the one test that compares terms with finite differences. Terms of points and
+`diagonal` and let `DiagonalTerm` do it; where time counts, let `SummedTerm` have a loop for many
+poses (`placed.py`) and its plain twin for one (`plain_placed.py`). `BodyPoints` (`posed.py`) says
+where points of the body are and how they move. Put it into the list of the solve it belongs to
+(`MotionProblem`, `OnePose`), and among the cases of the one test that compares terms with finite
+differences. Terms of points and
 turns are in `pose_terms.py`, links between frames in `smoothness.py`, terms that many frames share
 in `space_terms.py`. Residuals are in standard deviations, so that terms of different kinds can be
 summed, and are half squared. Terms here work on one pose or on many at once: batch axes come first,

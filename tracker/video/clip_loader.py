@@ -205,7 +205,9 @@ class ClipLoader:
             made = _Making.of(first, first + len(clip) - 1, wanted, self._fitted(None))
             self._make_room(_size(made.levels), keep=clip)
             self._fill(made, ())
-            return Prepared(made.levels, wanted)
+            prepared = Prepared(made.levels, wanted)
+            clip.show(prepared)
+            return prepared
 
     def _take_over(self, frame: int, made: _Making) -> bool:
         """Copy a frame's pictures, where a ready clip shows as much of it; whether one does."""

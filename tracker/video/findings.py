@@ -6,8 +6,6 @@ It is kept while the process lives, so that the next one who opens the film need
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from threading import Lock
 from typing import Final, TypeAlias
@@ -20,22 +18,36 @@ FileKey: TypeAlias = tuple[str, int, int, int]
 """A file as it is now: its path, its place on the disk, its size and when it was written."""
 
 
-@dataclass(frozen=True, eq=False)
 class Findings:
     """The frames that were examined, those of them that are damaged, and grey levels by which
-    frames differ from the one before."""
+    frames differ from the one before. All who have a film open have the same ones."""
 
-    examined: frozenset[int] = frozenset()
-    damaged: frozenset[int] = frozenset()
-    changes: Mapping[int, float] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._examined: set[int] = set()
+        self._changes: dict[int, float] = {}
+        self.damaged: frozenset[int] = frozenset()
 
-    def and_also(self, found: Examined) -> Findings:
-        """With what is known now."""
-        return Findings(
-            self.examined | frozenset(range(found.first, found.last + 1)),
-            self.damaged | found.damaged,
-            {**self.changes, **found.changes},
-        )
+    def add(self, found: Examined) -> None:
+        """Take what is known now."""
+        with self._lock:
+            self._examined.update(range(found.first, found.last + 1))
+            self._changes.update(found.changes)
+            if not found.damaged <= self.damaged:
+                self.damaged = self.damaged | found.damaged
+
+    def is_examined(self, frame: int) -> bool:
+        return frame in self._examined
+
+    def unknown(self, frames: range) -> list[int]:
+        """Those of these frames that nobody has examined."""
+        with self._lock:
+            return [n for n in frames if n not in self._examined]
+
+    def changes(self) -> dict[int, float]:
+        """Of the frames that are sound."""
+        with self._lock:
+            return {n: c for n, c in self._changes.items() if n not in self.damaged}
 
 
 def file_key(path: Path) -> FileKey:
@@ -52,15 +64,13 @@ class _Known:
         self._findings: OrderedDict[FileKey, Findings] = OrderedDict()
 
     def of(self, key: FileKey) -> Findings:
+        """Those of a file, which whoever asks adds to."""
         with self._lock:
-            return self._findings.get(key, Findings())
-
-    def keep(self, key: FileKey, findings: Findings) -> None:
-        with self._lock:
-            self._findings[key] = findings
+            found = self._findings.setdefault(key, Findings())
             self._findings.move_to_end(key)
             while len(self._findings) > MOST_FILMS:
                 self._findings.popitem(last=False)
+            return found
 
 
 KNOWN: Final = _Known()

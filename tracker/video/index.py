@@ -96,6 +96,8 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
     except PYAV_ERRORS:
         return None  # decoding will show how far the file can be read
     ordered = np.unique(np.asarray(pts, dtype=np.int64))
+    if hidden and len(stream.index_entries) > stream.frames > 0:
+        return None  # of several pieces: their frames are not in the order of their times
     is_whole = _header_count(container, stream) in (0, len(pts) + hidden)
     if len(ordered) != len(pts) or not is_whole or stream.time_base is None or not pts:
         return None

@@ -88,7 +88,7 @@ class Window(NamedTuple):
         return Window(*low, -(-self.right // scale), -(-self.bottom // scale))
 
     def doubled(self, times: int) -> Window:
-        """The smallest one around it in pictures that were halved so many times."""
+        """It in pictures that are doubled so many times."""
         scale = 2**times
         return Window(*(scale * x for x in self))
 
@@ -240,7 +240,7 @@ class Prepared(NamedTuple):
 
     def holds(self, wanted: Window) -> bool:
         """Return whether it shows all of a window that lies within the picture."""
-        return self.window is None or self.window.holds(wanted)
+        return self.window is None or wanted.is_empty or self.window.holds(wanted)
 
     def seen_by(self, lens: Lens) -> Lens:
         """A lens of the whole picture that knows where in it the arrays begin."""
@@ -307,12 +307,16 @@ class Clip:
         needed: None for all of the picture.  wanted: what it is widened to, so that the next step
         does not widen it once more; what is needed where that is left out.
         """
-        inside = self.within(needed)
-        if self._widened is not None and inside is not None and not self._shown.holds(inside):
-            wider = inside if wanted is None else self.within(wanted)
-            assert wider is not None
-            self._shown = self._widened(self, wider.joined(inside))
-        return self._shown
+        shown, inside = self._shown, self.within(needed)
+        if self._widened is None or inside is None or shown.holds(inside):
+            return shown
+        wider = inside if wanted is None else self.within(wanted)
+        assert wider is not None
+        return self._widened(self, wider.joined(inside))
+
+    def show(self, prepared: Prepared) -> None:
+        """Show these from now on: for the loader, which lets one thread widen at a time."""
+        self._shown = prepared
 
     @property
     def overview(self) -> Overview:

@@ -19,7 +19,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.references import Repeats
 
 WIDTH_PX = 160
-"""Of the small grey pictures that are compared, about."""
+"""Of the small grey pictures that are compared."""
 MOST_CHANGE = 0.5
 """Mean grey levels by which a copy may differ from what it is a copy of: compression."""
 LEAST_CHANGE = 0.15
@@ -42,23 +42,23 @@ EVEN_RATIO = 1.4
 
 PLANAR = {"yuv420p", "yuvj420p", "yuv422p", "yuvj422p", "yuv444p", "yuvj444p", "nv12", "gray"}
 """Formats whose first plane is brightness, a byte a pixel."""
-FULL_RANGE, STUDIO_SPAN = 2, 255 / 219
-"""FFmpeg's name for brightness from 0 to 255; otherwise it spans 16 to 235."""
+FULL_RANGE = 2
+"""FFmpeg's number for brightness from 0 to 255; otherwise it spans 16 to 235."""
+STRETCH = 255 / 219
+"""Of that span to the other."""
 
 
 def small_grey(frame: av.VideoFrame) -> NDArray[np.int16]:
     """Make the small picture (h, w) of a frame that frames are compared by."""
+    height = max(2, round(WIDTH_PX * frame.height / frame.width))
     if frame.format.name in PLANAR:
         plane = frame.planes[0]
-        every = max(1, plane.width // WIDTH_PX)
         rows = np.frombuffer(memoryview(plane), np.uint8).reshape(plane.height, plane.line_size)
-        width, height = plane.width // every, plane.height // every
-        whole = rows[: height * every, : width * every]
-        small = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+        whole = rows[:, : plane.width]
+        small = cv2.resize(whole, (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
         is_full = frame.format.name.startswith(("yuvj", "gray")) or frame.color_range == FULL_RANGE
-        stretched = small.astype(np.float32) * (1.0 if is_full else STUDIO_SPAN)
+        stretched = small.astype(np.float32) * (1.0 if is_full else STRETCH)
         return np.asarray(np.rint(stretched), np.int16)
-    height = max(2, round(WIDTH_PX * frame.height / frame.width))
     made = frame.reformat(width=WIDTH_PX, height=height, format="gray", interpolation="AREA")
     return made.to_ndarray().astype(np.int16)
 

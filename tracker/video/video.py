@@ -82,10 +82,9 @@ class Video:
         self._lock = threading.RLock()
         self._closed = False
         self._found = Findings() if file is None else KNOWN.of(file)
-        self._file = file
         self._numbering = 0  # how often the frames were numbered anew
         # what the source says, and the same with the damaged frames
-        self._with_damaged: tuple[VideoInfo, VideoInfo] | None = None
+        self._with_damaged: tuple[VideoInfo, frozenset[int], VideoInfo] | None = None
 
     @classmethod
     def open(
@@ -124,13 +123,14 @@ class Video:
         frames differ from its packets is indexed anew, which may change everything.
         `damaged` grows with what is examined."""
         info = self._source.info
-        if not self._found.damaged:
+        found = self._found.damaged
+        if not found:
             return info
         known = self._with_damaged  # once: another thread may be examining
-        if known is None or known[0] is not info:
-            damaged = tuple(sorted(self._found.damaged.difference(info.missing)))
-            self._with_damaged = known = info, replace(info, damaged=damaged)
-        return known[1]
+        if known is None or known[0] is not info or known[1] is not found:
+            damaged = tuple(sorted(found.difference(info.missing)))
+            self._with_damaged = known = info, found, replace(info, damaged=damaged)
+        return known[2]
 
     @property
     def missing(self) -> tuple[int, ...]:
@@ -177,7 +177,7 @@ class Video:
         examined.
         """
         for number, picture in self.frames(start, stop):
-            if number not in self._found.examined:
+            if not self._found.is_examined(number):
                 deque(self.examine(number, stop - 1), maxlen=0)
             yield number, None if number in self._found.damaged else picture
 
@@ -191,31 +191,22 @@ class Video:
         """
         self._check(first)
         self._check(last)
-        while unknown := sorted({*self._numbers(first, last)} - self._found.examined):
+        while unknown := self._found.unknown(self._numbers(first, last)):
             numbering = self._numbering
             for found in self._source.examine(unknown[0], unknown[-1]):
                 with self._lock:
                     if numbering != self._numbering:
                         break
                     self._check(found.reached)
-                    self._take(found)
+                    self._found.add(found)
                 yield found.reached
             else:
                 return
 
-    def _take(self, found: Examined) -> None:
-        if not found.damaged <= self._found.damaged:
-            self._with_damaged = None
-        self._found = self._found.and_also(found)
-        if self._file is not None:
-            KNOWN.keep(self._file, self._found)
-
     def repeats(self) -> Repeats:
         """Find the repeated frames among those examined so far."""
         with self._lock:
-            found = self._found
-            sound = {n: c for n, c in found.changes.items() if n not in found.damaged}
-            return repeats_of(sound, self.info.frame_count)
+            return repeats_of(self._found.changes(), self.info.frame_count)
 
     def _numbers(self, first: int, last: int) -> range:
         return range(first, min(last + 1, self.info.frame_count))
@@ -266,7 +257,7 @@ class Video:
             self._cache.clear()
             # the numbers of frames may be others now
             self._numbering += 1
-            self._found, self._file, self._with_damaged = Findings(), None, None
+            self._found, self._with_damaged = Findings(), None
             return self._get(number, since, shrink)
         return self._cache.get((number, shrink))
 

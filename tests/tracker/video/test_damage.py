@@ -114,10 +114,14 @@ def test_what_is_damaged_is_found_once_for_all_who_open_a_film_until_it_is_anoth
         with Video.open(film) as video:
             assert examined(video) == set()
             assert len(decoded) == expected
+    with Video.open(film) as one, Video.open(film) as other:
+        assert examined(one) == examined(other) == set()
+    assert len(decoded) == 1
     write_numbered(film, 31)
-    with Video.open(film) as video:
-        assert examined(video) == set()
-    assert len(decoded) == 2
+    with Video.open(film) as one, Video.open(film) as other:  # both at once
+        assert list(one.examine(0, 9))
+        assert examined(other) == examined(one) == set()
+    assert len(decoded) == 3
 
 
 @pytest.mark.parametrize("film", SAMPLES, ids=lambda path: path.stem)

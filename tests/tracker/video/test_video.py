@@ -36,6 +36,7 @@ from tests.tracker.video_cases import (
     write_cut,
     write_image,
     write_numbered,
+    write_pieces,
     write_sound,
     write_with_foreign_tags,
 )
@@ -419,6 +420,30 @@ def test_a_film_that_was_cut_on_a_phone_is_opened_without_decoding_and_begins_at
         assert [number - cut for number in numbers(video, order)] == order
         deque(video.examine(0, 39 - cut), maxlen=0)
         assert video.info.damaged == video.missing == ()
+
+
+PIECES = {
+    "the end cut": ([(0, 20)], False), "both ends cut": ([(7, 20)], False),
+    "two": ([(3, 10), (25, 10)], True), "the later one first": ([(24, 12), (5, 12)], True),
+    "one twice": ([(5, 10), (5, 10)], True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PIECES)
+def test_a_film_of_several_pieces_is_numbered_as_it_is_decoded(tmp_path: Path, name: str) -> None:
+    pieces, is_decoded = PIECES[name]
+    options = {"bf": "2", "g": "12", "sc_threshold": "0"}
+    whole = write_numbered(tmp_path / "whole.mp4", 40, options=options)
+    path = write_pieces(tmp_path / "pieces.mp4", whole, pieces)
+    expected = index_from_decoding(path)
+    with av.open(str(path)) as container:
+        known = index_from_packets(container, container.streams.video[0])
+    assert (known is None) == is_decoded
+    with Video.open(path) as video:
+        np.testing.assert_array_equal(video.info.pts, expected.pts)
+        if not is_decoded:
+            first, count = pieces[0]
+            assert numbers(video, [*range(count)]) == [*range(first, first + count)]
 
 
 @pytest.mark.parametrize("cut", [0, 5, 12, 17])

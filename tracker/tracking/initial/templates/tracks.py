@@ -252,9 +252,9 @@ TRUSTED_PX, OCCLUDER_PX = 6.0, 20.0
 occlusion of it is."""
 INSTEAD = "followed from both keyframes there"
 REACH_M, LEAST_REACH, MOST_REACH = 0.055, 6, 24
+"""How far beside its expected place a point is looked for: metres on the body, and pixels."""
 WANDER_PX = MOST_REACH + 1.5 * MOST_HALF
 """Around the body of both chains: what a template that is cut or sought there shows at most."""
-"""How far beside its expected place a point is looked for: metres on the body, and pixels."""
 
 
 def limb_tracks(
