@@ -71,7 +71,7 @@ export function mountFloating() {
 
 function giveWay() {
   const spots = ui.playing || isDrawingTool(ui.tool) ? [] : handlesInWindow();
-  placeMessages([...spots, ...peopleInWindow()]);
+  placeMessages(spots);
   for (const element of document.querySelectorAll(FLOATING)) {
     cutHoles(/** @type {HTMLElement} */ (element), element.matches(WHOLE) ? [] : spots);
   }
@@ -108,6 +108,7 @@ function handlesInWindow() {
  * @param {number[][]} spots
  */
 function cutHoles(element, spots) {
+  if (!spots.length) return void (element.style.clipPath = '');
   const box = element.getBoundingClientRect();
   const inside = spots.filter((spot) => holds(box, spot, HOLE)).map(([x, y]) => [x - box.left, y - box.top]);
   const holes = apart(inside.map(([x, y]) => [x - HOLE, y - HOLE, x + HOLE, y + HOLE])).map(pathOfHole);
@@ -161,12 +162,13 @@ function holds({ left, top, width, height }, [x, y], margin) {
  */
 const PLACES = [[0.5, 1], [0, 1], [1, 1], [0.5, 0], [0, 0], [1, 0]];
 
-/** Messages stand where no handle is, and stay there until one comes to lie under them. */
-function placeMessages(spots) {
+/** Messages stand where no handle and nobody is, and stay there until one comes to lie under them. */
+function placeMessages(handles) {
   const stack = document.getElementById('toasts');
   if (!stack) return;
   if (stack.childElementCount === 0 || !server.file) return leavePlace(stack);
   if (stack.matches(':hover, :focus-within') || document.documentElement.dataset.pressed) return;
+  const spots = [...handles, ...peopleInWindow()];
   const frame = viewNamed(largeView()).el.getBoundingClientRect();
   stack.style.maxWidth = `${frame.width - 2 * EDGE}px`;
   const now = stack.dataset.place;

@@ -99,7 +99,7 @@ const cornerPoint = (target) =>
 
 /** Right or left of a place as wished; at the border of the view below it. */
 function beside(view, x, y, away, left) {
-  const { clientWidth: width, clientHeight: height } = view.el;
+  const { width, height } = view.window;
   const fits = left ? x - away > ROOM : x + away + ROOM < width;
   const across = fits ? (left ? x - away : x + away) : left ? ROOM : width - ROOM;
   const down = fits ? y - 12 : y + away + 8;

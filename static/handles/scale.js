@@ -10,9 +10,9 @@ export function largeView() {
   return ALL_VIEWS.includes(ui.layout) ? ui.layout : 'main';
 }
 
-/** Whether handles and rings get their full size in this view. */
+/** Whether handles and rings get their full size in this view: asked for each of them, so nothing is measured. */
 export function isLarge(view) {
-  return Math.min(view.el.clientWidth, view.el.clientHeight) >= SMALL_UNDER;
+  return Math.min(view.window.width, view.window.height) >= SMALL_UNDER;
 }
 
 /** Radius of the rotation rings, pixels. */

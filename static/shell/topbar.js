@@ -99,7 +99,7 @@ export function mountTopbar() {
   const element = document.getElementById('top');
   const draw = () => {
     render(bar(), element);
-    document.title = title();
+    if (document.title !== title()) document.title = title(); // a browser tells its window of every title
     sayWhatIsCut();
   };
   onWidth(draw);
