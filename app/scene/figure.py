@@ -21,9 +21,6 @@ Faces: TypeAlias = NDArray[np.uint32]
 Segments: TypeAlias = NDArray[np.float32]
 """(N, 2, 3) the ends of straight lines."""
 
-WIRES = 8
-"""Lines along a round side. Lines cost most where the browser has no graphics card."""
-
 DASH_M = 0.015
 """Length of a dash, and of the gap after it."""
 
@@ -65,8 +62,8 @@ def rim_lines(shape: Shape) -> Segments:
 
 def wire_lines(shape: Shape) -> Segments:
     """Lines along a round side; none where nothing is round."""
-    rings = shape.wireframe(LIFT_M).rings[:, :: SIDES // WIRES]
-    return _single(np.stack([rings[:-1], rings[1:]], axis=2).reshape(-1, 2, 3))
+    lines, _ = shape.wireframe(LIFT_M).along()
+    return _single(lines)
 
 
 @dataclass(frozen=True, eq=False)

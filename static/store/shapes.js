@@ -327,6 +327,13 @@
  *   Along up from the camera; whether pinned feet could determine it; how soles lie on it, in words, and by how much they
  *   are off at most, null without any. */
 /** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
+/**
+ * @typedef {object} Solid  A part's convex surface, in its frame, metres.
+ * @property {Point[]} points
+ * @property {{ points: Point[], normal: Point }[]} flats  Its flat sides.
+ * @property {{ ends: [Point, Point], normal: Point }[]} wires  Lines along a round side, and its normal there.
+ */
+
 /** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
 
 /**
@@ -547,7 +554,8 @@
  * @property {Floor | null} floor
  * @property {Feet | null} feet
  * @property {Ghost[]} ghosts  The keyframes beside the present frame, where ghosts are shown.
- * @property {Record<string, Point[]> | null} solids  Points of every part's convex surface, in its frame, metres.
+ * @property {Record<string, Solid> | null} solids  Of every part.
+ * @property {{ solids: Record<string, Solid>, T: Record<string, number[]> } | null} before  The body that new sizes are compared with.
  * @property {Mask[]} masks
  * @property {Settings} settings
  * @property {CueHere[]} cues
@@ -664,6 +672,7 @@
  * @property {boolean} [space]  The space bar is down.
  * @property {boolean} [dropping]
  * @property {boolean} [flat]  There is no WebGL.
+ * @property {boolean} [painted]  The page itself paints the body over the film.
  * @property {boolean} [flatRead]
  * @property {string | null} [readOnlyRead]
  * @property {string | null} [line]  Since when the server does not answer: lost, long, ended.

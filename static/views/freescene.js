@@ -81,7 +81,7 @@ function outlines(T, project) {
   return server.body.parts
     .filter(({ name }) => server.solids[name] && T[name])
     .map(({ name, side }) => {
-      const points = placed(server.solids[name], T[name]);
+      const points = placed(server.solids[name].points, T[name]);
       const corners = outlineOf(points, project);
       return { side, d: path(corners, true), depth: project(points[0])[2] };
     });

@@ -205,6 +205,7 @@ SECTIONS: dict[str, _Section] = {
         space_values.ghosts,
     ),
     "solids": _Section(_doc("body"), space_values.solids),
+    "before": _Section(_edit("compared", "frame", "results"), space_values.before),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
     "cues": _Section(_doc("settings", "body", "video"), evidence_values.cues),
@@ -255,7 +256,7 @@ SECTIONS: dict[str, _Section] = {
 PLACES: Mapping[str, str] = {
     **dict.fromkeys(("file", "camera", "up"), "the camera"),
     **dict.fromkeys(("camera_motion", "camera_here", "background"), "the camera"),
-    **dict.fromkeys(("body", "solids", "sizes_preview"), "the body"),
+    **dict.fromkeys(("body", "solids", "before", "sizes_preview"), "the body"),
     **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface", "people"), "the views"),
     **dict.fromkeys(
         (

@@ -23,6 +23,7 @@ from keypose.app.words.standing import soles_words
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.limb_groups import kind_of
 from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.shapes import Shape
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.review.segments import JudgedSegments
@@ -74,12 +75,40 @@ def ghosts(app_state: AppState) -> Json:
 
 
 def solids(app_state: AppState) -> Json:
-    """Points of every part's convex surface, in its own frame."""
+    """What every part's convex surface is drawn from, in its own frame."""
     doc = doc_of(app_state)
-    if doc is None:
+    return None if doc is None else _solids(doc.subject.body)
+
+
+def before(app_state: AppState) -> Json:
+    """The body that is compared with, as it is posed at the present frame."""
+    edit = app_state.edit
+    if edit is None or edit.compared is None:
         return None
+    was = edit.with_doc(edit.compared)
+    body = was.doc.subject.body
+    Ts = pose_transforms(was.skeleton, shown.shown_pose(was).pose)
+    rows = Ts[:, :3].reshape(-1, 12).round(5).tolist()
+    return {"solids": _solids(body), "T": dict(zip(body.names, rows, strict=True))}
+
+
+def _solids(body: Body) -> Json:
+    return {part.name: _solid(part.shape) for part in body.parts}
+
+
+def _solid(shape: Shape) -> Json:
+    mesh = shape.mesh()
+    lines, normals = shape.wireframe().along()
     return {
-        part.name: part.shape.mesh().vertices.round(4).tolist() for part in doc.subject.body.parts
+        "points": mesh.vertices.round(4).tolist(),
+        "flats": [
+            {"points": points.round(4).tolist(), "normal": normal.round(4).tolist()}
+            for points, normal in mesh.flats()
+        ],
+        "wires": [
+            {"ends": ends.round(4).tolist(), "normal": normal.round(4).tolist()}
+            for ends, normal in zip(lines, normals, strict=True)
+        ],
     }
 
 

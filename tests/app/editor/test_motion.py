@@ -138,6 +138,8 @@ def test_the_page_receives_neighbouring_keyframes_and_of_the_solids() -> None:
     assert [ghost["frame"] for ghost in reported["ghosts"]] == [24, 48]
     assert reported["ghosts"][0]["T"].keys() == reported["solids"].keys()
     T = np.reshape(reported["ghosts"][0]["T"]["left_foot"], (3, 4))
-    p = apply_transform(np.vstack([T, [0, 0, 0, 1]]), np.array(reported["solids"]["left_foot"]))
+    p = apply_transform(
+        np.vstack([T, [0, 0, 0, 1]]), np.array(reported["solids"]["left_foot"]["points"])
+    )
     assert -p[:, 1].max() == pytest.approx(reported["feet"]["floor_m"], abs=0.2)
     assert Sections().changed(AppState(edit=desk()))["ghosts"] == []

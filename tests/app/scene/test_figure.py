@@ -11,7 +11,6 @@ import trimesh
 
 from keypose.app.scene.figure import (
     LIFT_M,
-    WIRES,
     Outline,
     hull_mesh,
     part_mesh,
@@ -23,6 +22,7 @@ from keypose.tracker.body.body import Body, Part, preset
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
 from keypose.tracker.body.shapes import SIDES, Capsule, Solid
+from keypose.tracker.body.shapes.geometry import WIRES
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import exp_rotation, transform

@@ -373,7 +373,11 @@ async def test_new_sizes_are_only_shown_until_they_are_applied(desk: Desk) -> No
     ]
     assert reported["height"] == {"before": pytest.approx(tall), "after": pytest.approx(190)}
     assert reported["unseen"] == ["Neck"]
+    before_sizes, sizes = (desk.section(name) for name in ("before", "solids"))
+    assert before_sizes["T"].keys() == before_sizes["solids"].keys() == sizes.keys()
+    assert before_sizes["solids"]["left_shin"] != sizes["left_shin"]
     desk.do({"do": "look_before", "on": True})
+    assert desk.section("before") is None
     assert desk.section("body")["height_cm"] == pytest.approx(tall)
     desk.do({"do": "look_before", "on": False}, {"do": "apply_sizes"})
     assert desk.section("sizes_preview") is None

@@ -230,6 +230,21 @@ def test_a_body_of_it_takes_other_sizes(shape: Solid) -> None:
         scaled(body, 1e6)
 
 
+@every_shape
+def test_its_flat_sides_and_the_lines_along_it_lie_on_it_and_face_outward(shape: Solid) -> None:
+    middle = shape.mesh().vertices.mean(axis=0)
+    for points, normal in shape.mesh().flats():
+        assert np.linalg.norm(normal) == pytest.approx(1)
+        assert np.ptp(points @ normal) == pytest.approx(0, abs=1e-9)
+        assert (points[0] - middle) @ normal > 0
+    lines, normals = shape.wireframe().along()
+    assert np.isfinite(normals).all()
+    has_length = np.linalg.norm(np.ptp(lines, axis=1), axis=1) > 1e-9
+    starts = lines[has_length].mean(axis=1)
+    assert shape.distance(starts) == pytest.approx(0, abs=0.004)
+    assert (shape.distance(starts + 0.01 * normals[has_length]) > 0).all()
+
+
 def test_nothing_asks_which_shape_it_has_before_it() -> None:
     """Single shapes are named only where bodies are made and the loops warmed up; a further one
     takes its file and its name in the list."""

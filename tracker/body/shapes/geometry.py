@@ -40,9 +40,30 @@ class Mesh:
         sides.setflags(write=False)
         return cls(frozen(vertices), turned, sides)
 
+    def flats(self) -> list[tuple[Array, Array]]:
+        """The flat sides: the vertices (N, 3) of each, and its outward normal (3,)."""
+        corners = self.vertices[self.faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        members = [np.flatnonzero(self.sides == side) for side in np.unique(self.sides)]
+        return [
+            (self.vertices[np.unique(self.faces[faces])], normals[faces[0]])
+            for faces in members
+            if np.allclose(normals[faces], normals[faces[0]], atol=FLAT)
+        ]
+
 
 SIDES = 24
 """Sides of the polygon that stands for a round cross-section."""
+
+WIRES = 8
+"""Lines along a round side. Lines cost most where the browser has no graphics card."""
+
+TINY = 1e-30
+"""A length to divide by in the place of none."""
+
+FLAT = 1e-6
+"""By how much the unit normals of a flat side may differ, as rounding makes them."""
 
 _TURN = np.arange(SIDES) * (2 * np.pi / SIDES)
 
@@ -71,6 +92,19 @@ class Wireframe:
         rims = rings[[0, -1]]
         creases = np.stack([rims, np.roll(rims, -1, axis=1)], axis=2)
         return cls(frozen(creases.reshape(-1, 2, 3)), frozen(rings))
+
+    def along(self) -> tuple[Array, Array]:
+        """Lines (N, 2, 3) along the round side, and the outward normal (N, 3) of the surface under
+        each; zeros under a line without a length, where two rings are one."""
+        every = SIDES // WIRES
+        lines = np.stack([self.rings[:-1], self.rings[1:]], axis=2)
+        across = np.roll(self.rings, -1, axis=1) - np.roll(self.rings, 1, axis=1)
+        normals = np.cross(across[:-1] + across[1:], lines[:, :, 1] - lines[:, :, 0])
+        middle = lines.mean(axis=(1, 2), keepdims=True)[:, :, 0]
+        inward = np.einsum("rsi,rsi->rs", normals, lines.mean(axis=2) - middle) < 0
+        normals[inward] *= -1
+        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), TINY)
+        return lines[:, ::every].reshape(-1, 2, 3), normals[:, ::every].reshape(-1, 3)
 
 
 def ring(y: float, radius_x: float, radius_z: float) -> Array:
