@@ -101,7 +101,7 @@ def _alone(report: Report, browser: Browser, keypose: Keypose, folder: Path) -> 
         spent = _answers(visitor, act)
         table.row(name, *_spread(spent), expected=[_under(spent, SERVER_MS)])
     _put_back(visitor)
-    with admit(browser, drawn=True, size=WINDOW) as context:
+    with admit(browser, drawn=True, painted=True, size=WINDOW) as context:
         tab = _idle(report, context, keypose)
         probe = Probe(tab)
         moves = _moves(tab, probe, visitor)
@@ -117,7 +117,7 @@ def _alone(report: Report, browser: Browser, keypose: Keypose, folder: Path) -> 
 def _beside_a_job(report: Report, browser: Browser, keypose: Keypose) -> None:
     """The same while segments are tracked, on a longer film."""
     visitor = Visitor(keypose)
-    with admit(browser, drawn=True, size=WINDOW) as context:
+    with admit(browser, drawn=True, painted=True, size=WINDOW) as context:
         tab = _opened(context, keypose)
         probe = Probe(tab)
         idle = {name: _answers(visitor, act) for name, act in _acts().items()}
@@ -314,7 +314,7 @@ def _passes(
 
 
 def _playing(report: Report, browser: Browser, keypose: Keypose) -> None:
-    with admit(browser, drawn=True, size=WINDOW) as context:
+    with admit(browser, drawn=True, painted=True, size=WINDOW) as context:
         tab = _opened(context, keypose)
         probe = Probe(tab)
         frames = section(tab, "file.frames")

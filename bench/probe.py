@@ -60,6 +60,10 @@ async () => {
       if (armed && armed.gate in armed.marks && shows(frame)) mark(role(frame));
     };
   }
+  // The camera view's body is painted by the page where 3D is software.
+  new MutationObserver(() => {
+    if (armed && armed.gate in armed.marks) mark('main');
+  }).observe(document.querySelector('#main canvas.figure'), { attributeFilter: ['data-frame'] });
   // The dots of the trail lie in the page; its line, in the views, is drawn with the body.
   new MutationObserver((records) => {
     if (records.some(({ target }) => target.closest?.('g.trail'))) mark('trail');

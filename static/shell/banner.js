@@ -124,7 +124,7 @@ function readOnly(words) {
 }
 
 function flat() {
-  const words = html`<b>WebGL is off, so the body cannot be shown.</b>
+  const words = html`<b>WebGL is off, so the body is shown in the camera view alone.</b>
     Turn on hardware acceleration in the browser’s settings, or use another browser.`;
   return dismissible('warn', words, () => setUi('flatRead', true));
 }

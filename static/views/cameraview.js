@@ -1,4 +1,4 @@
-// The camera's view: the film, and the body over it.
+// The camera's view: the film, and over it the body, which the page paints where 3D is slow.
 
 import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
@@ -7,22 +7,32 @@ import { cameraEye } from './cameras.js';
 import { dropped, gridPaths } from './floor.js';
 import { showAcross } from './frames.js';
 import { feetMiddle, ground } from './freescene.js';
+import { paintFigure } from './figure.js';
 import { View } from './view.js';
 
 const GREATEST_SCALE = 64;
 /** The grid of the floor fades until here. */
 const FLOOR_REACH_M = 2;
+/** More pixels of the screen to one of the page are not painted. */
+const GREATEST_SHARPNESS = 2;
 const BARS_PX = 52; // the height of the bars at the top
 
 export class CameraView extends View {
   screen = Object.assign(document.createElement('canvas'), { className: 'vid' });
   person = Object.assign(document.createElement('img'), { className: 'pmask', alt: '' });
 
+  #figure = Object.assign(document.createElement('canvas'), { className: 'figure' });
+
   constructor(el) {
     super(el);
     this.screen.setAttribute('role', 'img');
     this.screen.ariaLabel = 'Picture of the video';
     el.prepend(this.screen, this.person);
+    this.over.before(this.#figure);
+  }
+
+  get isPainted() {
+    return Boolean(ui.painted);
   }
 
   newEye() {
@@ -37,6 +47,23 @@ export class CameraView extends View {
     const hasFloor = Boolean(server.view?.floor);
     if (hasFloor || this.#hadFloor) this.redraw();
     this.#hadFloor = hasFloor;
+    this.paint();
+  }
+
+  /** Paint the body as it stands now, with what else is drawn in this animation frame. */
+  paint() {
+    this.el.classList.toggle('painted', this.isPainted);
+    if (!this.isPainted || !this.eye || !this.window.width) return;
+    const { width, height } = this.window;
+    const sharpness = Math.min(devicePixelRatio, GREATEST_SHARPNESS);
+    const [across, down] = [width, height].map((px) => Math.round(px * sharpness));
+    if (this.#figure.width !== across || this.#figure.height !== down) Object.assign(this.#figure, { width: across, height: down });
+    const ctx = this.#figure.getContext('2d');
+    ctx.setTransform(across / width, 0, 0, down / height, 0, 0);
+    ctx.clearRect(0, 0, width, height);
+    if (!paintFigure(ctx, this)) return void delete this.#figure.dataset.frame;
+    this.#figure.dataset.frame = String(server.pose.frame);
+    this.el.classList.add('drawn');
   }
 
   #hadFloor = false;
@@ -57,6 +84,7 @@ export class CameraView extends View {
 
   draw() {
     super.draw();
+    this.paint();
     if (!server.camera) return;
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
     const { width, height } = server.camera;

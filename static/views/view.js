@@ -7,10 +7,13 @@ import { icon } from '../controls/icons.js';
 import { setUi, ui, watch } from '../store/state.js';
 import { aim } from './cameras.js';
 import { Picture } from './iframe.js';
+import { drawsBy } from './software.js';
 import { Window } from './windows.js';
 
 const SLOW_MS = 24;
 const REST_MS = 250;
+/** Software draws what is not looked at so seldom while the film plays: each picture costs it one of the film. */
+const PLAYING_REST_MS = 500;
 const SETTLED_MS = 120;
 /** A step to another frame is measured so long. */
 const STEP_MS = 400;
@@ -35,9 +38,10 @@ export function mountPace() {
  */
 export function pace(isLookedAt) {
   const settled = Math.max(SETTLED_MS, 4 * late);
-  const once = late > SLOW_MS;
+  const isSoft = drawsBy() === 'software';
+  const once = isSoft || late > SLOW_MS;
   const waits = once && !isLookedAt;
-  return { rest: waits ? REST_MS : 0, behind: waits ? 2 * late : 0, settled, once };
+  return { rest: waits ? (isSoft && ui.playing ? PLAYING_REST_MS : REST_MS) : 0, behind: waits ? 2 * late : 0, settled, once };
 }
 
 function begin() {
@@ -96,7 +100,7 @@ export class View {
       aim: (camera) => this.#aim(camera),
       ready: () => el.classList.add('drawn'),
       pace: () => pace(this.isInLargePlace || el.matches(':hover')),
-      isHidden: () => !this.isShown,
+      isHidden: () => !this.isShown || this.isPainted,
     });
     el.prepend(this.#paper, this.under, this.over, this.#marks);
     watchSize(this);
@@ -181,7 +185,7 @@ export class View {
   }
 
   get isLarge() {
-    return this.el.clientHeight >= LARGE_PX;
+    return this.window.height >= LARGE_PX;
   }
 
   get isInLargePlace() {
@@ -191,6 +195,11 @@ export class View {
   /** The free view takes the place of the top one. */
   get isShown() {
     return this.name !== (ui.layout === 'free' ? 'top' : 'free');
+  }
+
+  /** Whether the page paints the body in it, in the place of viser's picture. */
+  get isPainted() {
+    return false;
   }
 
   /** What goes with a message about a place in this view. */

@@ -2,12 +2,14 @@
 
 import { server, setUi, ui, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
+import { mountFigure } from './figure.js';
 import { FreeView } from './freeview.js';
 import { isPictureOf, mountFrames } from './frames.js';
 import { mountPersonMask } from './person_mask.js';
 import { mountLayout, showLarge } from './layout.js';
 import { ALL_VIEWS, mountPace, onViews, VIEW_KEYS, VIEW_NAMES, VIEWS } from './view.js';
 import { SideView } from './sideview.js';
+import { drawsBy } from './software.js';
 
 export { ALL_VIEWS, isPictureOf, onViews, showLarge, VIEW_KEYS, VIEW_NAMES, VIEWS };
 
@@ -27,6 +29,7 @@ export function mount() {
     const made = madeFor(el);
     views.set(made.name, made);
   }
+  mountFigure();
   mountLayout();
   mountPace();
   mountFrames(view('main').screen, () => {
@@ -40,6 +43,11 @@ export function mount() {
   watch(['pose'], () => views.forEach((each) => each.follow()));
   watch(['feet', 'keys'], () => ['main', 'side', 'front'].forEach((name) => view(name).redraw()));
   watch(['view'], () => view('main').follow());
+  watch(['body', 'solids', 'ghosts', 'before', 'trail'], () => view('main').paint());
+  watch(['u:painted'], () => {
+    if (begun) beginShown();
+    view('main').redraw();
+  });
   watch(['u:layout'], () => {
     if (begun) beginShown();
     views.forEach((each) => each.redraw());
@@ -60,7 +68,7 @@ export function fitLarge() {
 function begin() {
   if (begun) return;
   begun = true;
-  if (!draws3D()) return setUi('flat', true);
+  if (drawsBy() === 'none') return setUi('flat', true);
   beginShown();
 }
 
@@ -70,7 +78,7 @@ const fetched = new Set();
 function beginShown() {
   if (ui.flat) return;
   for (const each of views.values()) {
-    if (!each.isShown || fetched.has(each)) continue;
+    if (!each.isShown || each.isPainted || fetched.has(each)) continue;
     fetched.add(each);
     each.begin();
   }
@@ -83,9 +91,4 @@ function newFile() {
   if (path === filePath) return;
   filePath = path;
   for (const each of views.values()) each.fit();
-}
-
-/** Some browsers draw no 3D at all, most often for want of a graphics card. */
-function draws3D() {
-  return Boolean(document.createElement('canvas').getContext('webgl2'));
 }

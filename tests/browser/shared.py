@@ -31,6 +31,13 @@ _WITHOUT_PICTURES = """
 """Viser's pages are not asked for. In the page itself: were its requests intercepted, each of the
 hundreds of a page would pass through the test, and none would be kept by the browser."""
 
+_BY_VISER = """
+try {
+  localStorage.setItem('keypose.painted', localStorage.getItem('keypose.painted') ?? 'no');
+} catch {} // a document without an origin keeps nothing
+"""
+"""viser draws the camera view too, which the page paints by itself where 3D is software."""
+
 
 def copied(folder: Path) -> Path:
     """The session file of a copy of the person sample, its video beside it."""
@@ -58,12 +65,22 @@ def served(
 
 @contextmanager
 def admit(
-    browser: Browser, *, drawn: bool, size: tuple[int, int] = SIZE, **more: Any
+    browser: Browser,
+    *,
+    drawn: bool,
+    painted: bool = False,
+    size: tuple[int, int] = SIZE,
+    **more: Any,
 ) -> Iterator[BrowserContext]:
     """A browser of its own, in which no script may fail. Its pages do without viser's pictures,
-    which software draws slowly, unless a test or a person is to see them."""
+    which software draws slowly, unless a test or a person is to see them.
+
+    painted: the page paints the camera view all the same, as it does in such a browser.
+    """
     viewport = {"width": size[0], "height": size[1]}
     context, complaints = new_watched_context(browser, drawn=drawn, viewport=viewport, **more)
+    if drawn and not painted:
+        context.add_init_script(_BY_VISER)
     yield context
     context.close()
     assert not complaints, complaints

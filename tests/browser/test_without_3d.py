@@ -1,4 +1,4 @@
-"""A browser without WebGL is told so in a sentence; everything else of the page works."""
+"""A browser without WebGL is told so in a sentence; the camera view and all else work."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ def test_a_browser_without_3d_says_so_and_still_poses(browser: Browser, keypose:
         banner = page.locator("#banner .banner")
         until(lambda: banner.count() and "WebGL is off" in banner.inner_text(), "the sentence")
         page.wait_for_selector("#main canvas.vid[data-frame]")
+        page.wait_for_selector("#main.painted canvas.figure[data-frame]")
         screen(page, "without-3d")
         banner.get_by_role("button", name="Dismiss").click()
         until(lambda: banner.count() == 0, "the banner gone")

@@ -2,6 +2,7 @@
 
 import { partNamed, selectedPart } from '../../store/parts.js';
 import { server, setUi, ui } from '../../store/state.js';
+import { togglePainted, whyPainted } from '../../views/figure.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../../views/views.js';
 import { isCharted, toggleAngle, whyNoAngle } from '../angles.js';
 import { copyPicture, savePicture } from '../exporting.js';
@@ -110,6 +111,11 @@ export const VIEW = {
     also: 'ground grid plane',
     label: 'Floor', icon: 'floor', title: 'Floor in the camera view, cells of 25 cm',
     on: () => Boolean(server.view?.floor), message: () => ({ do: 'display', floor: !server.view.floor }),
+  },
+  paintBody: {
+    also: 'webgl 3d 2d hardware acceleration gpu software slow speed canvas',
+    label: 'Draw the body without 3D', title: 'Camera view: quicker where the browser’s 3D is done by software', off: whyPainted,
+    on: () => ui.painted === true, run: togglePainted,
   },
   lanes: {
     also: 'rows timeline visibility collapse expand',
