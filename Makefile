@@ -34,7 +34,7 @@ browser: .venv/.ready-dev
 # The compiled loops, beside the checks, which leave a core free: or every worker compiled them.
 loops: .venv/.ready-dev
 	@.venv/bin/python -c 'from keypose.tracker import warm; \
-	    warm.is_warm() or warm.warm(); warm.are_hulls_warm() or warm.warm_hulls()'
+	    warm.warm_all(); warm.are_hulls_warm() or warm.warm_hulls()'
 
 check: .venv/.ready-dev build/names
 	@$(MAKE) --silent --no-print-directory --jobs=2 check-types check-rest

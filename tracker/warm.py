@@ -81,6 +81,16 @@ def warm(parts: Collection[str]) -> None:
         compiling.finish()
 
 
+def warm_all() -> None:
+    """Compile all loops but those of hulls, wherever they are not."""
+    from keypose.tracker.warming import PARTS
+
+    if not is_warm():
+        compiling = _Compiling(PARTS, lambda percent: None)
+        compiling.work(PARTS)
+        compiling.finish_all()
+
+
 def warm_tracking(report: Callable[[int], None]) -> None:
     """Compile or load all loops, but wait only until a segment can be tracked.
 

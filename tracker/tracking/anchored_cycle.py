@@ -47,7 +47,6 @@ IN_PASSES, IN_REFINEMENT = 0.5, 1.5
 """By how much steadied keypoints are surer than single ones. Passes come after one that single
 keypoints have led, and leave the more to brightness."""
 
-
 MEETS = 0.004
 """Share of the body's extent, in the mean over its marks: from two starts the cycle has led to one
 motion where they lie no farther apart."""
