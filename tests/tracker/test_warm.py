@@ -107,6 +107,13 @@ def test_once_all_is_compiled_so_is_each_part(loops: Path, compiled: list[str]) 
     assert warm.is_warm(["chains", "surface"])
 
 
+def test_all_loops_are_compiled_by_one_call_once(loops: Path, compiled: list[str]) -> None:
+    for _ in range(2):
+        warm.warm_all()
+        assert sorted(compiled) == ["chains", "surface", "track"]
+    assert warm.is_warm()
+
+
 NEEDED = {
     "a person, by keypoints": ("adult_male", ("brightness", "keypoints"), "keypoints", "drift"),
     "a person, by brightness": ("adult_male", ("brightness",), "drift", "keypoints"),
