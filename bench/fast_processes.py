@@ -29,8 +29,10 @@ FIRST = "segment 1 of"
 """What `keypose track` says of its first result."""
 WALKER = ("--box", "1010,370,1130,700", "--frame", "12")
 """The person of the sample film of a walk."""
-LONG, LONG_HD = (400, (640, 360)), (2000, (1920, 1080))
-"""Frames and size of the films by which memory is measured."""
+LONG = 400, (640, 360)
+"""Frames and size of the film by which memory is measured."""
+LONG_HD = 2000, (1920, 1080)
+"""Of a large one."""
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,7 @@ from keypose.tracker.solver.pose_terms import PointsInPicture, PosePrior, RootPo
 from keypose.tracker.solver.posed import BodyPoints, free_skeleton
 from keypose.tracker.solver.projection import image_points
 from keypose.tracker.tracking import anchored_cycle
+from keypose.tracker.tracking import method as method_module
 from keypose.tracker.tracking.cues import anchors as anchors_module
 from keypose.tracker.tracking.cues.sources import DetectedKeypoints
 from keypose.tracker.tracking.initial import choose
@@ -152,7 +153,7 @@ def _run(row: Row, switch: Switch | None, seed: int, known: Known) -> dict[str, 
             "tracker": _tracker(), "row": row.name, "clip": row.clip, "switch": name, "seed": seed,
             "figures": {k: round(v, 4) for k, v in figures.items()},
             "digest": hashlib.sha256(motion).hexdigest()[:16],
-            "cpu_s": round(time.process_time() - began, 1),
+            "cpu_s": round(time.process_time() - began, 2),
         }  # fmt: skip
         OUT.parent.mkdir(parents=True, exist_ok=True)
         with OUT.open("a", encoding="utf-8") as lines:
@@ -185,6 +186,8 @@ def _write(report: Report, known: Known) -> None:
         for row, pairs in found.items():
             if all(a["digest"] == b["digest"] for a, b in pairs):
                 continue
+            times = [np.sum([pair[k]["cpu_s"] for pair in pairs]) for k in (0, 1)]
+            table.row(f"{row}: processor, s", *times, times[1] - times[0], "", "")
             for figure in pairs[0][0]["figures"]:
                 on, off = (np.array([p[k]["figures"][figure] for p in pairs]) for k in (0, 1))
                 gain, spread = float(off.mean() - on.mean()), float(on.std())
@@ -229,6 +232,7 @@ SWITCHES = (
     Switch("doubt of shoulders", ("draft",), ((first_poses, "SHOULDER_DOUBT", first_poses.DOUBT),)),
     Switch("drift scale", BETWEEN, ((anchored_cycle, "increment_scale", lambda *_: 1.0),)),
     Switch("meeting of starts", BETWEEN, ((anchored_cycle, "MEETS", 0.0),)),
+    Switch("half the points", BETWEEN, ((method_module, "WITH_KEYPOINTS", method_module.FULL),)),
     Switch("steady", BETWEEN, ((anchored_cycle, "_steadied", lambda c, *_: c),)),
     Switch("crossings", ("draft",), ((_THIS, "_changes", lambda *_: ()),)),
     Switch("third motion", BETWEEN, ((anchored_cycle, "_is_misled", lambda *_: False),)),

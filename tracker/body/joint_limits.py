@@ -173,6 +173,35 @@ class Limits:
         return np.asarray(np.where((out[1] < out[0] - 1e-9)[..., None], both[1], both[0]))
 
 
+@dataclass(frozen=True, eq=False)
+class SoftLimits:
+    """Limits that a pose may exceed, at a cost.
+
+    sigma_rad: standard deviation of what lies beyond.  allowed (P, 4): radians, signed, by which a
+    joint may lie outside, as in a posed keyframe.  onset_rad: so far beyond a limit its slope grows
+    from 0 to 1, and the residual lags behind by half of it.
+    """
+
+    limits: Limits
+    sigma_rad: float
+    allowed: Array | None = None
+    onset_rad: float = 0.0
+
+    def excess(self, Rs_parent_part: Array) -> tuple[Array, Array]:
+        """Radians (..., P, 4) that count, and their slopes (..., P, 4, 3), as `Limits.excess`; no
+        slope where nothing counts."""
+        outside, slopes = self.limits.excess(Rs_parent_part)
+        if self.allowed is not None:
+            low, high = np.minimum(self.allowed, 0.0), np.maximum(self.allowed, 0.0)
+            outside = outside - np.clip(outside, low, high)
+        slopes = slopes * (outside != 0)[..., None]
+        if self.onset_rad == 0.0:
+            return outside, slopes
+        share = np.minimum(np.abs(outside) / self.onset_rad, 1.0)
+        lag = self.onset_rad * (share - share**2 / 2)
+        return np.copysign(np.abs(outside) - lag, outside), slopes * share[..., None]
+
+
 def _slopes(angles: Array) -> Array:
     """∂(x, y, z)/∂w for R · exp(w): the inverse of how Euler rates make an angular velocity."""
     x, y = angles[..., 0], angles[..., 1]

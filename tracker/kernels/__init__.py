@@ -1,7 +1,8 @@
 """Compiled inner loops: arrays in, arrays out.
 
-Each has a plain numpy twin in the tests that it must agree with. `compiled` is how every loop is
-compiled, see `compiling`; numba is loaded with the first of them, and not with `layout`.
+Each has a plain numpy twin in the tests that it must agree with; that of terms is what compares
+one pose (`solver/plain_placed.py`). `compiled` is how every loop is compiled, see `compiling`;
+numba is loaded with the first of them, and not with `layout`.
 """
 
 from __future__ import annotations

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from keypose.tracker.body.joint_limits import LEAST_COS, LEAST_DETERMINED
+from keypose.tracker.body.joint_limits import LEAST_COS, LEAST_DETERMINED, SoftLimits
 from keypose.tracker.body.skeleton import BODIES, Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, transform
@@ -27,9 +26,6 @@ from keypose.tracker.kernels.places import (
 from keypose.tracker.kernels.robust import CAUCHY, HUBER, LEAST_SQUARES, TUKEY
 from keypose.tracker.kernels.steps import motions_between
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Squared, Tukey
-
-if TYPE_CHECKING:
-    from keypose.tracker.solver.pose_terms import JointLimits
 
 NUMBERS: Mapping[type[Kernel], int] = {
     Squared: LEAST_SQUARES, Huber: HUBER, Tukey: TUKEY, Cauchy: CAUCHY,
@@ -50,9 +46,9 @@ def articulation(skeleton: Skeleton) -> Articulation:
 
 
 @lru_cache(maxsize=8 * BODIES)
-def ranges_of(skeleton: Skeleton, term: JointLimits) -> JointRanges:
+def ranges_of(skeleton: Skeleton, soft: SoftLimits) -> JointRanges:
     """Joint limits, and what may lie beyond them."""
-    limits, allowed = term.limits, term.allowed
+    limits, allowed = soft.limits, soft.allowed
     parts, twists = skeleton.part_count, limits.twists
     place = np.full(parts, -1)
     place[limits.twisted] = np.arange(len(limits.twisted))
@@ -67,7 +63,7 @@ def ranges_of(skeleton: Skeleton, term: JointLimits) -> JointRanges:
         np.any(np.isfinite([limits.low, limits.high]), axis=(0, 2)),
         place, low, high, R_rest,
         np.zeros((parts, 4)) if allowed is None else np.array(allowed),
-        term.sigma_rad, term.onset_rad, LEAST_COS, LEAST_DETERMINED,
+        soft.sigma_rad, soft.onset_rad, LEAST_COS, LEAST_DETERMINED,
         np.searchsorted(skeleton.dof_part, np.arange(parts + 1)),
     )  # fmt: skip
 
@@ -176,11 +172,11 @@ class Placed:
         known = depth, scale, *numbered(kernel)
         return float(add_depth(self.chain, places, *parts, *known, A, b))
 
-    def limit_cost(self, term: JointLimits) -> float:
+    def limit_cost(self, limits: SoftLimits) -> float:
         """What it costs to lie outside limits by more than is allowed."""
-        return float(limit_cost(ranges_of(self.skeleton, term), self.Rs_parent_part))
+        return float(limit_cost(ranges_of(self.skeleton, limits), self.Rs_parent_part))
 
-    def add_limits(self, term: JointLimits, A: Array, b: Array) -> float:
+    def add_limits(self, limits: SoftLimits, A: Array, b: Array) -> float:
         """The same, and A, b += the normal equations."""
-        ranges = ranges_of(self.skeleton, term)
+        ranges = ranges_of(self.skeleton, limits)
         return float(add_limits(self.chain, ranges, self.Rs_parent_part, A, b))

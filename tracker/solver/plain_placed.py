@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from keypose.tracker.body.joint_limits import SoftLimits
 from keypose.tracker.body.pose import part_transforms, twists
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
@@ -19,7 +20,6 @@ from keypose.tracker.solver.robust import Kernel
 
 if TYPE_CHECKING:
     from keypose.tracker.kernels.layout import Places
-    from keypose.tracker.solver.pose_terms import JointLimits
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,15 +100,15 @@ class PlainPlaced:
         _add(A, b, (along * (weight * scale)[..., None])[..., None, :], (away * weight)[..., None])
         return _cost(kernel, np.abs(away))
 
-    def limit_cost(self, term: JointLimits) -> float:
+    def limit_cost(self, limits: SoftLimits) -> float:
         """As `Placed.limit_cost`."""
-        outside, _ = self._excess(term)
-        return 0.5 * float(((outside / term.sigma_rad) ** 2).sum())
+        outside, _ = limits.excess(self.Rs_parent_part)
+        return 0.5 * float(((outside / limits.sigma_rad) ** 2).sum())
 
-    def add_limits(self, term: JointLimits, A: Array, b: Array) -> float:
+    def add_limits(self, limits: SoftLimits, A: Array, b: Array) -> float:
         """As `Placed.add_limits`."""
-        skeleton, sigma_rad = self.skeleton, term.sigma_rad
-        outside, slopes = self._excess(term)
+        skeleton, sigma_rad = self.skeleton, limits.sigma_rad
+        outside, slopes = limits.excess(self.Rs_parent_part)
         part, angle = np.nonzero((outside != 0).any(axis=0))
         own = (part[:, None] == skeleton.dof_part) & (skeleton.dof_turns == 1)
         rows = own * slopes[:, part[:, None], angle[:, None], skeleton.dof_axis]
@@ -124,19 +124,6 @@ class PlainPlaced:
     def _deeper(self, p: Array, depth: Array, scale: Array) -> Array:
         """(N, J) by how much places p are farther than they should be, in σ."""
         return _known(p[..., 2] - self.ps_camera_root[:, None, 2] - depth, scale)
-
-    def _excess(self, term: JointLimits) -> tuple[Array, Array]:
-        """Radians (N, P, 4) beyond what is allowed, and their slopes (N, P, 4, 3)."""
-        allowed, onset_rad = term.allowed, term.onset_rad
-        outside, slopes = term.limits.excess(self.Rs_parent_part)
-        if allowed is not None:
-            outside = outside - np.clip(outside, np.minimum(allowed, 0), np.maximum(allowed, 0))
-        slopes = slopes * (outside != 0)[..., None]
-        if onset_rad == 0.0:
-            return outside, slopes
-        share = np.minimum(np.abs(outside) / onset_rad, 1.0)
-        lag = onset_rad * (share - share**2 / 2)
-        return np.copysign(np.abs(outside) - lag, outside), slopes * share[..., None]
 
 
 def _known(away: Array, scale: Array) -> Array:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.joint_limits import Limits, SoftLimits
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -132,11 +133,9 @@ def _rows_of(J: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class JointLimits(SummedTerm):
-    """Joint angles and twists within their limits.
+    """Joint angles and twists within their limits, as `SoftLimits`.
 
-    allowed (P, 4): radians, signed, by which a joint may lie outside, as in a posed keyframe.
-    onset_rad:      so far beyond a limit its slope grows from 0 to 1, and the residual lags behind
-                    by half of it: then a descent of few steps depends steadily on where it starts.
+    With an onset, a descent of few steps depends steadily on where it starts.
     """
 
     limits: Limits
@@ -145,10 +144,15 @@ class JointLimits(SummedTerm):
     onset_rad: float = 0.0
 
     def cost(self, posed: Posed) -> float:
-        return posed.placed.limit_cost(self)
+        return posed.placed.limit_cost(self._soft)
 
     def add_to(self, posed: Posed, A: Array, b: Array) -> float:
-        return posed.placed.add_limits(self, A, b)
+        return posed.placed.add_limits(self._soft, A, b)
+
+    @cached_property
+    def _soft(self) -> SoftLimits:
+        """One object, of which the loops' arrays are made once."""
+        return SoftLimits(self.limits, self.sigma_rad, self.allowed, self.onset_rad)
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,11 +74,9 @@ class Meeting:
 class Candidate:
     """Where the cycle led from one start. index: of its last trajectory among all passes.
 
-    led: the trajectories after its passes.  met: where another start's cycle met it, which ended
-    there.
-
     cost: of all evidence together.  score: grey levels², None where brightness does not count.
     drift_px (N - 1, M): what was left to correct.
+    after_passes: the trajectory after each pass.  met: where cycles from other starts met these.
     """
 
     index: int
@@ -87,7 +85,7 @@ class Candidate:
     score: float | None
     drift_px: Array
     anchors: Anchors
-    led: tuple[Trajectory, ...] = ()
+    after_passes: tuple[Trajectory, ...] = ()
     met: tuple[Meeting, ...] = ()
 
 
@@ -214,7 +212,7 @@ def cycle(
         tried.append(Pass("refinement", present, measured.score))
         yield tried[-1]
     ended = _ended(correction, present, measured, len(tried) - 1)
-    return replace(ended, led=led)
+    return replace(ended, after_passes=led)
 
 
 def _passes(
@@ -243,11 +241,11 @@ def _passes(
 
 def _meeting(free: Scene, present: Trajectory, before: Candidate) -> Meeting | None:
     """Where a trajectory meets one of those from another start; None where it meets none."""
-    away = [distance_px(free, present, there).mean() for there in before.led]
+    away = [distance_px(free, present, there).mean() for there in before.after_passes]
     nearest = int(np.argmin(away)) if away else 0
     if not away or not away[nearest] < MEETS * extent_px(free, present):
         return None
-    return Meeting(present, before.led[nearest])
+    return Meeting(present, before.after_passes[nearest])
 
 
 def _ended(correction: Correction, motion: Trajectory, measured: Measured, index: int) -> Candidate:

@@ -61,18 +61,17 @@ class Keypose:
 Method = Paper | Keypose
 
 FULL = Keypose(3, 4, 6, Refinement(solves=6, stride=2), inner=4, templates=True)
-BESIDE_KEYPOINTS = replace(FULL, stride=2, refinement=Refinement(solves=4, stride=1), density=0.5)
-"""Where keypoints count besides, half the points do: by brightness alone a limb that is lost is
-lost sooner with these."""
+WITH_KEYPOINTS = replace(FULL, stride=2, refinement=Refinement(solves=4, stride=1), density=0.5)
+"""Keypoints keep hold of limbs, so that half the points do; by brightness alone limbs are lost."""
 PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, stride=3), finest=1, judged=False, density=0.5)
 
 
-def method_of(settings: TrackSettings, *, beside_keypoints: bool = False) -> Method:
+def method_of(settings: TrackSettings, *, with_keypoints: bool = False) -> Method:
     """The method that settings name, by brightness alone or with keypoints."""
     initial, left_out = settings.initial, settings.left_out
     if settings.method == "paper":
         return Paper(settings.passes or Paper.passes, initial=initial, left_out=left_out)
-    full = BESIDE_KEYPOINTS if beside_keypoints else FULL
+    full = WITH_KEYPOINTS if with_keypoints else FULL
     base = full if settings.quality == "full" else PREVIEW
     passes = settings.passes or base.passes
     return replace(base, passes=passes, initial=initial, left_out=left_out)

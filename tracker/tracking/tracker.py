@@ -426,7 +426,7 @@ class Tracker:
         return outlines_of(seen, loader.camera, loader.size)
 
     def _method(self, settings: TrackSettings) -> Method:
-        return method_of(settings, beside_keypoints=self._uses_keypoints(settings))
+        return method_of(settings, with_keypoints=self._uses_keypoints(settings))
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
         """Return where keypoints come from; None where they do not count."""

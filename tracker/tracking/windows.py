@@ -1,8 +1,8 @@
 """Show a body's pictures in a window around it, which is widened where the body leaves it.
 
 What leaves the window is seen nowhere, as if it left the picture; so whoever follows the body looks
-whether it did, and then follows it again in a wider one. A motion is thus the same whatever window
-it was begun in.
+whether it led out of it, and then follows it again in a wider one. Where solves on the way left it
+and came back is not looked at.
 """
 
 from __future__ import annotations

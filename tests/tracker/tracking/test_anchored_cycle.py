@@ -70,12 +70,12 @@ def cycled(start: Trajectory, before: Candidate | None = None) -> tuple[Candidat
 
 def test_a_start_whose_cycle_meets_anothers_leads_where_that_one_led() -> None:
     first, all_tried = cycled(FILM.truth)
-    again, tried = cycled(first.led[0], first)
+    again, tried = cycled(first.after_passes[0], first)
     assert again.trajectory is first.trajectory
     assert (again.index, again.cost) == (first.index, first.cost)
     assert len(tried) < len(all_tried)
     met = again.met[0]
-    assert any(met.there is each for each in first.led)
+    assert any(met.there is each for each in first.after_passes)
     found, alone = (
         joint_evidence(FILM.free, [again], again),
         joint_evidence(FILM.free, [first], first),
@@ -89,7 +89,7 @@ def test_a_start_whose_cycle_meets_no_other_is_led_to_its_end() -> None:
     first, all_tried = cycled(FILM.truth)
     R, t = FILM.truth.writable()
     shifted = Trajectory(FILM.truth.first_frame, R, t + np.array([0.3, 0.0, 0.0]))
-    elsewhere = replace(first, led=(shifted,))
+    elsewhere = replace(first, after_passes=(shifted,))
     other, tried = cycled(FILM.truth, elsewhere)
     assert other.met == ()
     assert len(tried) == len(all_tried)

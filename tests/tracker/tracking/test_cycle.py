@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.tracking.method import (
-    BESIDE_KEYPOINTS,
     FULL,
     PREVIEW,
+    WITH_KEYPOINTS,
     Keypose,
     Method,
     Paper,
@@ -103,8 +103,8 @@ def test_the_best_score_is_taken_unless_the_refinement_is_worth_a_little_more(
 def test_more_passes_and_finer_settings_are_those_asked_for() -> None:
     for quality, method in (("full", FULL), ("preview", PREVIEW)):
         assert method_of(TrackSettings(quality=quality)) == method
-    beside = method_of(TrackSettings(quality="full"), beside_keypoints=True)
-    assert beside == BESIDE_KEYPOINTS != FULL
+    beside = method_of(TrackSettings(quality="full"), with_keypoints=True)
+    assert beside == WITH_KEYPOINTS != FULL
     many = method_of(TrackSettings(passes=7))
     assert isinstance(many, Keypose)
     assert many.passes == 7
