@@ -67,6 +67,8 @@ def test_a_capsule_is_chosen_in_the_inspector_drawn_in_every_view_and_sized(
         }""",
         PART,
     )
+    # The part selected at first is a frustum too.
+    until_state(page, "view.selected", lambda selected: selected == PART)
     page.get_by_role("button", name="Shape: Frustum").click()
     offered = page.get_by_role("option").all_inner_texts()
     assert [text.strip() for text in offered] == [kind.capitalize() for kind in KINDS]
