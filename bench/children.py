@@ -177,10 +177,10 @@ def _track(session_path: Path, memory_mb: int | None) -> None:
     from keypose.tracker.storage.files import load_session, open_for_work, video_path
     from keypose.tracker.storage.tracking import tracker_of
     from keypose.tracker.tracking.pool import run
-    from keypose.tracker.video.clip_loader import MEMORY_BYTES
+    from keypose.tracker.video.clip_loader import ONCE, Memory
 
     session = load_session(session_path)
-    memory = memory_mb * 1_000_000 if memory_mb else MEMORY_BYTES
+    memory = Memory(memory_mb * 1_000_000, kept=0) if memory_mb else ONCE
     path = video_path(session, session_path)
     with open_for_work(session, path, session_path.parent) as video:
         for _ in run(tracker_of(session, video, memory), session.settings):

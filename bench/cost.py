@@ -26,7 +26,7 @@ from keypose.tracker.tracking.pool import run
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
-from keypose.tracker.video.clip_loader import MEMORY_BYTES
+from keypose.tracker.video.clip_loader import ONCE, Memory
 
 LIVE_FRAME = 36
 LIVE_MS = {2: {"preview": 16.0, "full": 60.0}, 1: {"preview": 24.0, "full": 90.0}}
@@ -34,7 +34,7 @@ LIVE_MS = {2: {"preview": 16.0, "full": 60.0}, 1: {"preview": 24.0, "full": 90.0
 PAPERS_SECONDS = 10.0
 LINEAR_WITHIN, MEMORY_WITHIN = 1.15, 1.15
 START_SECONDS, OPEN_SECONDS, COLD_SECONDS = 0.6, 0.5, 12.0
-PLENTY_BYTES = 4_000_000_000
+PLENTY = Memory(4_000_000_000, 400_000_000)
 """So that all pictures stay prepared while the chain alone is timed."""
 SMALL_MEMORY_MB, MEMORY_FRAMES = 300, (100, 400, 1000)
 LARGE_MEMORY_MB, LARGE_FRAMES = 500, 120
@@ -91,7 +91,7 @@ def _tracker(shown: Sequence, interval: int, last: int = 72) -> Tracker:
     """Ready to track, its pictures prepared."""
     frames = keyframes_every(interval, 0, last)
     tracker = Tracker(
-        shown.video(), shown.camera, shown.skeleton, shown.keyposes(frames), memory=PLENTY_BYTES
+        shown.video(), shown.camera, shown.skeleton, shown.keyposes(frames), memory=PLENTY
     )
     for a, b in tracker.spans:
         tracker.loader((a, b)).load(a, b)
@@ -203,7 +203,7 @@ def _memory(report: Report) -> None:
     films = [children.looped_film(frames, 1, 12) for frames in MEMORY_FRAMES]
     for limit in (SMALL_MEMORY_MB, None):
         peaks = [children.peak_mb(each, limit) for each in films]
-        words = f"within {limit or MEMORY_BYTES // 1_000_000} MB"
+        words = f"within {limit or ONCE.most // 1_000_000} MB"
         table.row(words, *(round(peak) for peak in peaks))
         filled = peaks if limit else peaks[1:]
         what = f"{words}, filled: most frames over fewest"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -28,15 +27,13 @@ def limit_memory(extra: int, written_bytes: int = 0) -> None:
         _lower(kind, value)
 
 
-def give_back_beyond(most_bytes: int) -> None:
-    """Give memory that is free within the process back to the system, where the process holds more
-    than this: arrays of all sizes that come and go leave holes, 1.6 MB a tracked segment."""
+def give_back() -> None:
+    """Give memory that is free within the process back to the system: arrays of all sizes that
+    come and go leave holes, 7 MB a tracked segment."""
     try:
-        pages = int(Path("/proc/self/statm").read_text().split()[1])
-        if pages * os.sysconf("SC_PAGE_SIZE") > most_bytes:
-            ctypes.CDLL(None).malloc_trim(0)
-    except (OSError, ValueError, AttributeError):
-        return  # a system without these
+        ctypes.CDLL(None).malloc_trim(0)
+    except (OSError, TypeError, AttributeError):
+        return  # a system without it
 
 
 def limit_time(seconds: int) -> None:

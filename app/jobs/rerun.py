@@ -37,6 +37,7 @@ from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.pool import Cancelled, stream
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import ONCE
 
 
 def why_untrackable(session: Session, session_path: Path) -> str:
@@ -124,7 +125,7 @@ def rerun(
     job = Track.of(session, video.info.path, wanted, stages, session_path.parent)
 
     def work(send: Callable[[Report], None]) -> None:
-        worker_cache = WorkerCache()
+        worker_cache = WorkerCache(ONCE)
         try:
             with ThreadPoolExecutor(workers) as threads:
                 job.run(Context(1, worker_cache, threads, stop.is_set, send))

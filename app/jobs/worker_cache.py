@@ -18,6 +18,7 @@ from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.tracking.pool import SegmentTracker
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
+from keypose.tracker.video.clip_loader import AGAIN, Memory
 
 
 class WorkerCache:
@@ -27,7 +28,8 @@ class WorkerCache:
     built for the body stays while the body does. Of surfaces the latest meshes stay.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, memory: Memory = AGAIN) -> None:
+        self._memory = memory
         self._video: Video | None = None
         self._opened: Any = None
         self._prepared_for: Any = None
@@ -77,6 +79,7 @@ class WorkerCache:
         self._tracker = tracker_of(
             session,
             video,
+            self._memory,
             first_motion=sidecars.load_first_motion(session, folder),
             like=self._tracker,
             keypoints=self.keypoints(session, folder),

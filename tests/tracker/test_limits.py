@@ -11,7 +11,7 @@ import pytest
 _HOLES = """
 from pathlib import Path
 import numpy as np
-from keypose.tracker.limits import give_back_beyond
+from keypose.tracker.limits import give_back
 
 def resident_mb():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20
@@ -20,18 +20,14 @@ pieces = [np.ones(12_000) for _ in range(1000)]
 last = pieces[-1]
 del pieces
 full = resident_mb()
-give_back_beyond(2**40)
-print(full - resident_mb())
-give_back_beyond(2**20)
+give_back()
 print(full - resident_mb())
 """
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="holes are given back by glibc alone")
-def test_memory_between_arrays_goes_back_to_the_system_where_more_is_held_than_may_be() -> None:
+def test_memory_between_arrays_goes_back_to_the_system() -> None:
     done = subprocess.run(
         [sys.executable, "-c", _HOLES], capture_output=True, text=True, check=True
     )
-    kept, given_back = map(float, done.stdout.split())
-    assert abs(kept) < 5, "a process that holds little keeps what it has"
-    assert given_back > 60
+    assert float(done.stdout) > 60

@@ -44,7 +44,7 @@ from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
-from keypose.tracker.video.clip_loader import MEMORY_BYTES
+from keypose.tracker.video.clip_loader import AGAIN, ONCE, Memory
 
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
@@ -59,7 +59,7 @@ def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
 def tracker_of(
     session: Session,
     video: Video,
-    memory: int = MEMORY_BYTES,
+    memory: Memory = AGAIN,
     first_motion: Trajectory | None = None,
     like: Tracker | None = None,
     keypoints: Keypoints | None = None,
@@ -223,14 +223,14 @@ def track_ahead(
     if session.view.surface is not None:
         raise SessionError("Surfaces are fitted from one keyframe on: use fit, not ahead.")
     frame = session.subject.keyframes[-1 if direction == "forward" else 0].frame
-    tracker = tracker_of(session, video, MEMORY_BYTES, keypoints=keypoints, fewest=1)
+    tracker = tracker_of(session, video, keypoints=keypoints, fewest=1)
     return follow_ahead(tracker, frame, direction, session.settings, emit, longest)
 
 
 def _film_tracker(
     session: Session, video: Video, first_motion: Trajectory | None, keypoints: Keypoints | None
 ) -> SegmentTracker:
-    return tracker_of(session, video, MEMORY_BYTES, first_motion, keypoints=keypoints)
+    return tracker_of(session, video, ONCE, first_motion, keypoints=keypoints)
 
 
 def _surface_fitter(

@@ -48,7 +48,7 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.tracking.windows import MARGIN, body_windows, window_around
 from keypose.tracker.video import Video
-from keypose.tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
+from keypose.tracker.video.clip_loader import AGAIN, ClipLoader, Memory, WorkingSize
 from keypose.tracker.video.pyramid import Clip
 
 Emit: TypeAlias = Callable[[Pass, int], None]
@@ -71,7 +71,7 @@ class _Prepared:
         camera: Camera,
         masks: Sequence[IgnoreMask],
         static: bool,
-        memory: int,
+        memory: Memory,
         steady: SteadyCamera | None,
         turns: Array | None,
     ) -> None:
@@ -115,7 +115,7 @@ class Tracker:
         keyposes: Mapping[int, Pose],
         masks: Sequence[IgnoreMask] = (),
         static_camera: bool = False,
-        memory: int = MEMORY_BYTES,
+        memory: Memory = AGAIN,
         first_motion: Trajectory | None = None,
         keypoints: KeypointSource | None = None,
         keyed_parts: Sequence[KeyedParts] = (),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from threading import RLock
 from typing import Any
+from weakref import WeakValueDictionary
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.steady import SteadyCamera
-from keypose.tracker.limits import give_back_beyond
+from keypose.tracker.limits import give_back
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video import Video
 from keypose.tracker.video.panorama import Panorama, Shown, exposure_of, panorama_of, sampled
@@ -38,12 +39,8 @@ from keypose.tracker.video.pyramid import (
 )
 from keypose.tracker.video.still_camera import background, moving, smooth
 
-MEMORY_BYTES = 1_500_000_000
-"""What a process that tracks may take; the clip of one segment is made to fit, and always may."""
 PROCESS_BYTES = 300_000_000
-"""Of that, what libraries, compiled loops and the decoder take."""
-KEPT_SHARE = 0.1
-"""How much earlier clips may go on holding where there is room beside a new one."""
+"""Of a process that tracks, what libraries, compiled loops and the decoder take."""
 LEAST_WINDOW = 32
 """Pixels: where a body is hardly in the picture, its window is widened by so much at once."""
 WORKING_PIXELS = 640 * 960
@@ -57,6 +54,23 @@ FAR_OUT = 1e6
 PLATE_FRAMES = 41
 PANORAMA_FRAMES = 81
 """Of a camera that turns: each place is seen in some of them only."""
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Bytes that a process which tracks may take; the clip of one segment always may.
+
+    kept: what earlier clips may go on holding where there is room beside a new one.
+    """
+
+    most: int = 1_500_000_000
+    kept: int = 150_000_000
+
+
+AGAIN = Memory()
+"""Where segments are tracked again after an edit."""
+ONCE = Memory(kept=0)
+"""Where every segment is tracked once."""
 
 
 def require_short(first: int, last: int) -> None:
@@ -75,10 +89,10 @@ class WorkingSize:
     halvings: int
 
     @classmethod
-    def for_camera(cls, camera: Camera, longest: int, memory: int = MEMORY_BYTES) -> WorkingSize:
+    def for_camera(cls, camera: Camera, longest: int, memory: Memory = AGAIN) -> WorkingSize:
         """The size at which the longest segment (frames) fits the memory."""
         halvings, pixels = 0, float(camera.width * camera.height)
-        while pixels > WORKING_PIXELS or pixels * PIXEL_BYTES * longest > memory:
+        while pixels > WORKING_PIXELS or pixels * PIXEL_BYTES * longest > memory.most:
             halvings, pixels = halvings + 1, pixels / 4
         return cls(halvings)
 
@@ -105,7 +119,7 @@ class WorkingSize:
 
 @dataclass(eq=False)
 class ClipLoader:
-    """Prepares clips of one video; the most recent stay ready, within a share of the memory.
+    """Prepares clips of one video: one that is in use is shared, and the most recent stay ready.
 
     A frame that is missing or damaged is shown as ignored everywhere: it decides nothing.
 
@@ -119,10 +133,11 @@ class ClipLoader:
     size: WorkingSize
     masks: Sequence[IgnoreMask] = ()
     static_camera: bool = False
-    memory: int = MEMORY_BYTES
+    memory: Memory = AGAIN
     steady: SteadyCamera | None = None
     turns: Array | None = None
-    _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
+    _ready: WeakValueDictionary[tuple[int, int], Clip] = field(default_factory=WeakValueDictionary)
+    _kept: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _damaged: set[int] = field(default_factory=set)
     _plate: FloatPicture | None = None
     _around: Panorama | None = None
@@ -140,15 +155,14 @@ class ClipLoader:
         """
         require_short(first, last)
         with self._lock:
-            span = self._covering(first, last)
-            if span is None:
+            clip = self._covering(first, last)
+            if clip is None:
                 clip = self._prepare_clip(first, last, self._fitted(wanted or needed))
                 self._forget_within(first, last)
-                span = (first, last)
-                self._ready[span] = clip
-            self._ready.move_to_end(span)
-            self._ready[span].cover(needed, wanted)
-            return self._ready[span]
+                self._ready[first, last] = clip
+            self._keep(clip)
+            clip.cover(needed, wanted)
+            return clip
 
     def _fitted(self, window: Window | None) -> Window:
         """The part of a window that lies within the working pictures, a little wider."""
@@ -161,27 +175,34 @@ class ClipLoader:
             fitted = fitted.grown(LEAST_WINDOW)
         return fitted.aligned(ALIGNED).within(whole)
 
-    def _covering(self, first: int, last: int) -> tuple[int, int] | None:
-        """The frames of a ready clip that holds these."""
-        if (first, last) in self._ready:
-            return first, last
-        return next((s for s in self._ready if s[0] <= first and last <= s[1]), None)
+    def _covering(self, first: int, last: int) -> Clip | None:
+        """A ready clip that holds these frames."""
+        ready = dict(self._ready)
+        around = (clip for span, clip in ready.items() if span[0] <= first and last <= span[1])
+        return ready.get((first, last)) or next(around, None)
+
+    def _keep(self, clip: Clip) -> None:
+        """Keep a clip, as the one used last."""
+        span = clip.first_frame, clip.first_frame + len(clip) - 1
+        self._kept[span] = clip
+        self._kept.move_to_end(span)
 
     def _forget_within(self, first: int, last: int) -> None:
         """Drop clips all of whose frames a new one holds."""
         for span in [s for s in self._ready if first <= s[0] and s[1] <= last]:
-            del self._ready[span]
+            self._kept.pop(span, None)
+            self._ready.pop(span, None)
 
     def _make_room(self, needed: int, keep: Clip | None = None) -> None:
         """Drop the least recently used clips until they fit beside new pictures of so many bytes.
 
         keep: a clip that stays, whose pictures those are.
         """
-        room = min(KEPT_SHARE * self.memory, self.memory - PROCESS_BYTES - needed)
-        others = [span for span, clip in self._ready.items() if clip is not keep]
-        while others and sum(_size(self._ready[span].levels) for span in others) > room:
-            del self._ready[others.pop(0)]
-        give_back_beyond(self.memory)
+        room = min(self.memory.kept, self.memory.most - PROCESS_BYTES - needed)
+        others = [span for span, clip in self._kept.items() if clip is not keep]
+        while others and sum(_size(self._kept[span].levels) for span in others) > room:
+            del self._kept[others.pop(0)]
+        give_back()
 
     def _prepare_clip(self, first: int, last: int, window: Window) -> Clip:
         """A clip in which frames that are ready are not prepared again. They are taken over before
@@ -211,7 +232,7 @@ class ClipLoader:
 
     def _take_over(self, frame: int, made: _Making) -> bool:
         """Copy a frame's pictures, where a ready clip shows as much of it; whether one does."""
-        for clip in self._ready.values():
+        for clip in list(self._ready.values()):
             if 0 <= frame - clip.first_frame < len(clip) and clip.shown.holds(made.window):
                 made.take(frame, clip)
                 return True

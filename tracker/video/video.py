@@ -51,7 +51,10 @@ class PictureCache:
         self._bytes = 0
 
 
-CACHE_BYTES = 256 * 1024 * 1024
+CACHE_BYTES = 256 * 2**20
+"""Of decoded pictures, where a person goes to and fro."""
+READ_ONCE_BYTES = 32 * 2**20
+"""The same, for work that goes through them once."""
 MOST_BEHIND = 64
 """Frames before one that are kept with it: to make pictures of a whole group takes longer than to
 decode it."""

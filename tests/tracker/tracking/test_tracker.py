@@ -32,6 +32,7 @@ from keypose.tracker.tracking.pool import (
 )
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
+from keypose.tracker.video.clip_loader import Memory
 from tests.tracker import session_cases
 from tests.tracker.tracking_cases import Case, MemoryVideo, case, tracked
 
@@ -365,7 +366,7 @@ def test_a_long_session_is_tracked_at_the_same_size_by_any_number_of_workers(
     path = session_cases.write_session(tmp_path)
     session = load_session(path)
     one_clip = 5 * session_cases.WIDTH * session_cases.HEIGHT * 22
-    monkeypatch.setattr(tracking, "MEMORY_BYTES", 2 * one_clip)
+    monkeypatch.setattr(tracking, "ONCE", Memory(2 * one_clip))
     found: list[Trajectory] = []
     with open_video_of(session, path) as video:
         for workers in (1, 4):

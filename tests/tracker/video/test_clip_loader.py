@@ -15,9 +15,11 @@ from keypose.tracker.kernels.layout import STEPS
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.video.clip_loader import (
     LONGEST_SEGMENT,
+    ONCE,
     PROCESS_BYTES,
     WORKING_PIXELS,
     ClipLoader,
+    Memory,
     WorkingSize,
 )
 from keypose.tracker.video.pyramid import (
@@ -150,7 +152,7 @@ def test_large_pictures_are_worked_on_smaller(width: int, halvings: int) -> None
 def test_a_long_segment_is_made_to_fit_the_memory() -> None:
     camera = Camera.guess(640, 360)
     for memory in (1_000_000, 30_000_000, 400_000_000):
-        size = WorkingSize.for_camera(camera, longest=60, memory=memory)
+        size = WorkingSize.for_camera(camera, longest=60, memory=Memory(memory))
         small = size.camera(camera)
         if memory == 30_000_000:
             pictures = np.zeros((60, 360, 640, 3), np.uint8)
@@ -159,27 +161,50 @@ def test_a_long_segment_is_made_to_fit_the_memory() -> None:
         assert small.width * small.height * 21 * 60 <= 1.1 * memory
 
 
+class Counting(MemoryVideo):
+    """Remembers which frames were asked for."""
+
+    def __init__(self, *shown: Any, **more: Any) -> None:
+        super().__init__(*shown, **more)
+        self.asked: list[int] = []
+
+    def frames(self, first: int, stop: int) -> Any:
+        self.asked += range(first, stop)
+        return super().frames(first, stop)
+
+
 def test_of_the_clips_those_used_last_stay_as_far_as_the_memory_goes() -> None:
     one = 3 * WIDTH * HEIGHT * 8
     kept = []
     for memory in (10, *(PROCESS_BYTES + one * k for k in range(1, 30)), 10**9):
-        clips = loader(noise(12), memory=int(memory))
-        first, second = clips.load(0, 2), clips.load(2, 4)
-        again = clips.load(0, 2)
-        clips.load(4, 6)
-        kept.append((clips.load(0, 2) is again, clips.load(2, 4) is second, again is first))
-    assert kept[0] == (False, False, False)  # a new clip alone, whatever the memory
-    assert (True, False, True) in kept
-    assert kept[-1] == (True, True, True)
-    assert not any(later and not earlier for earlier, later, _ in kept)
+        video: Any = Counting(noise(12))
+        clips = ClipLoader(
+            video, CAMERA, WorkingSize(0), memory=Memory(int(memory), int(memory) // 10)
+        )
+        kept.append([_is_ready(clips, video, first) for first in (0, 2, 0, 4, 0, 2)][2:])
+    assert kept[0] == [False, False, False, False]  # a new clip alone, whatever the memory
+    assert [True, False, True, False] in kept
+    assert kept[-1] == [True, False, True, True]
+    assert not any(later and not earlier for *_, earlier, later in kept)
 
 
-class Counting(MemoryVideo):
-    """Remembers which frames were asked for."""
+def _is_ready(clips: ClipLoader, video: Counting, first: int) -> bool:
+    """Whether three frames could be loaded without the video."""
+    asked = len(video.asked)
+    clips.load(first, first + 2)
+    return len(video.asked) == asked
 
-    def frames(self, first: int, stop: int) -> Any:
-        self.asked = [*getattr(self, "asked", []), *range(first, stop)]
-        return super().frames(first, stop)
+
+def test_a_clip_in_use_is_shared_even_where_none_are_kept() -> None:
+    video: Any = Counting(noise(12))
+    clips = ClipLoader(video, CAMERA, WorkingSize(0), memory=ONCE)
+    first, second = clips.load(0, 2), clips.load(2, 4)
+    assert clips.load(0, 2) is first
+    assert clips.load(2, 4) is second
+    assert video.asked == [0, 1, 2, 3, 4]
+    first = clips.load(4, 6)
+    clips.load(0, 2)
+    assert video.asked == [0, 1, 2, 3, 4, 5, 6, 0, 1]
 
 
 def test_frames_that_are_ready_are_not_prepared_again() -> None:
@@ -197,7 +222,7 @@ def test_frames_that_are_ready_are_not_prepared_again() -> None:
 
 
 def test_a_segment_larger_than_the_memory_is_still_loaded() -> None:
-    tight = loader(noise(4), memory=10)
+    tight = loader(noise(4), memory=Memory(10))
     assert len(tight.load(0, 3)) == 4
 
 

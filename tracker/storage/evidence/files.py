@@ -53,10 +53,6 @@ def identity(path: Path) -> Any:
     return path, found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
-READ_ONCE_BYTES = 32 * 2**20
-"""Of decoded pictures, for work that goes through them once."""
-
-
 class FilmFiles:
     """A film is recognised by its content: another one is never taken for it."""
 
@@ -66,10 +62,7 @@ class FilmFiles:
         return Video.open(path, deinterlace=session.view.video.deinterlace)
 
     def open_for_work(self, session: Session, path: Path, folder: Path) -> Video:
-        """Brightness alone reads pictures once; a network looks at them again."""
-        if session.settings.cues_used != ("brightness",):
-            return self.open(session, path, folder)
-        from keypose.tracker.video import Video
+        from keypose.tracker.video import READ_ONCE_BYTES, Video
 
         return Video.open(path, READ_ONCE_BYTES, deinterlace=session.view.video.deinterlace)
 
