@@ -189,6 +189,7 @@ class _Descent(Generic[State, Point]):
             self._try(step)
 
     def _step(self) -> Array | None:
+        self.solved = None  # whose equations may go before others are made
         step = self.here.step(self.damping)
         self.solved, self.damped = self.here, self.damping
         self.solves, self.tries = self.solves + 1, self.tries + 1
