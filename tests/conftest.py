@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
-from keypose.app.cli.main import ONE_BLAS_THREAD
+from keypose.app.cli.main import THREADS
 
 if TYPE_CHECKING:
     from xdist.remote import Producer
@@ -45,8 +45,9 @@ os.environ["KEYPOSE_CONFIG"] = str(Path(__file__).with_name("there_is_no_config.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-# As the program itself has it, before NumPy is loaded.
-os.environ.setdefault(*ONE_BLAS_THREAD)
+# As the program itself has them, before NumPy and OpenCV are loaded.
+for name, count in THREADS.items():
+    os.environ.setdefault(name, count)
 
 
 @pytest.fixture(scope="session")

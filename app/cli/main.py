@@ -32,10 +32,11 @@ INTERRUPTED = 130
 NO_READER = 141
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
-ONE_BLAS_THREAD = ("OPENBLAS_NUM_THREADS", "1")
-"""For this process and those it starts, unless somebody has chosen another number: of matrices as
-small as a body's, several threads wait for each other, which takes up to ten times the processor
-time. It is read when NumPy is loaded."""
+THREADS = {"OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}
+"""Of NumPy and OpenCV in this process and those it starts, unless somebody has chosen other
+numbers; read when they are loaded. Of matrices and pictures as small as a body's, several threads
+wait for each other, which takes up to ten times the processor time of a product; OpenCV's, which
+wait by spinning, took a quarter of that of a track by brightness, and no film was done sooner."""
 
 _EXAMPLES = """\
 examples:
@@ -60,7 +61,8 @@ class _Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; --help and wrong arguments raise SystemExit."""
-    os.environ.setdefault(*ONE_BLAS_THREAD)
+    for name, count in THREADS.items():
+        os.environ.setdefault(name, count)
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what a terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")
     try:

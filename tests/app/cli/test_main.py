@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from keypose.app.cli import follow
-from keypose.app.cli.main import grammar, main
+from keypose.app.cli.main import THREADS, grammar, main
 from keypose.app.render.palette import Picture
 from keypose.app.render.studio import _with_plate
 from keypose.tracker.storage.files import load_session, save_session
@@ -348,19 +348,19 @@ def test_the_page_loads_no_compiled_loops_and_no_statistics_before_they_are_want
     assert not {"numba", "scipy"} & loaded_by(f"import {module}")
 
 
-@pytest.mark.parametrize(("chosen", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
-def test_blas_has_one_thread_unless_somebody_has_chosen_another_number(
-    chosen: dict[str, str], threads: str
+@pytest.mark.parametrize("chosen", [{}, dict.fromkeys(THREADS, "3")])
+def test_blas_and_opencv_have_one_thread_unless_somebody_has_chosen_another_number(
+    chosen: dict[str, str],
 ) -> None:
     code = (
         "from keypose.app.cli.main import main; main(['models', '--json']); "
-        "import os; print(os.environ['OPENBLAS_NUM_THREADS'])"
+        "import cv2, os; print(cv2.getNumThreads(), os.environ['OPENBLAS_NUM_THREADS'])"
     )
-    usual = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    usual = {name: value for name, value in os.environ.items() if name not in THREADS}
     done = subprocess.run(
         [sys.executable, "-c", code], env=usual | chosen, capture_output=True, text=True, check=True
     )
-    assert done.stdout.split()[-1] == threads
+    assert done.stdout.splitlines()[-1].split() == ["3" if chosen else "1"] * 2
 
 
 def test_the_package_runs_as_a_program(tmp_path: Path) -> None:
