@@ -61,6 +61,7 @@ class Worker:
     def __init__(self, tree: Path, films: Path) -> None:
         environ = {**os.environ, "PYTHONPATH": str(tree / "build" / "names")}
         environ["NUMBA_CACHE_DIR"] = str(tree / "build" / "loops")
+        environ |= _threads(tree, environ)
         script = str(ROOT / "bench" / "fast_rows.py")
         self._process = subprocess.Popen(
             [str(python_of(tree)), "-P", script, str(films)], env=environ, text=True,
@@ -87,6 +88,17 @@ class Worker:
         assert self._process.stdin is not None
         self._process.stdin.close()
         self._process.wait()
+
+
+def _threads(tree: Path, environ: dict[str, str]) -> dict[str, str]:
+    """How many threads a revision's program lets its libraries have."""
+    asked = (
+        "import json, keypose.app.cli.main as program; "
+        "print(json.dumps(getattr(program, 'THREADS', {})))"
+    )
+    command = [str(python_of(tree)), "-c", asked]
+    answer = subprocess.run(command, env=environ, check=True, stdout=subprocess.PIPE, text=True)
+    return {"OPENBLAS_NUM_THREADS": "1", **json.loads(answer.stdout)}
 
 
 def fast(report: Report, beside: str = BESIDE) -> None:
