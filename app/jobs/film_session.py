@@ -32,7 +32,7 @@ from keypose.tracker.keypoints.find_people import (
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.storage.sidecars import save_keypoints
-from keypose.tracker.video import READ_ONCE_BYTES, Video
+from keypose.tracker.video import READ_AGAIN_BYTES, Video
 from keypose.tracker.video.info import MissingFrame
 
 Span: TypeAlias = tuple[int, int]
@@ -54,7 +54,7 @@ class WhoIsDrafted:
 def opened_film(film: FilmToDraft) -> Video:
     """A film, to be closed; KeyposeError where it cannot be read."""
     return Video.open(
-        film.path, READ_ONCE_BYTES, deinterlace=said(film.taken).get("deinterlace", True)
+        film.path, READ_AGAIN_BYTES, deinterlace=said(film.taken).get("deinterlace", True)
     )
 
 

@@ -24,6 +24,6 @@ from __future__ import annotations
 
 from keypose.tracker.video.damage import Examined
 from keypose.tracker.video.info import MissingFrame, VideoInfo
-from keypose.tracker.video.video import READ_ONCE_BYTES, Video
+from keypose.tracker.video.video import READ_AGAIN_BYTES, READ_ONCE_BYTES, Video
 
-__all__ = ["READ_ONCE_BYTES", "Examined", "MissingFrame", "Video", "VideoInfo"]
+__all__ = ["READ_AGAIN_BYTES", "READ_ONCE_BYTES", "Examined", "MissingFrame", "Video", "VideoInfo"]

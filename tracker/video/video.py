@@ -55,6 +55,8 @@ CACHE_BYTES = 256 * 2**20
 """Of decoded pictures, where a person goes to and fro."""
 READ_ONCE_BYTES = 32 * 2**20
 """The same, for work that goes through them once."""
+READ_AGAIN_BYTES = 128 * 2**20
+"""The same, for a draft, which comes back to frames near by."""
 MOST_BEHIND = 64
 """Frames before one that are kept with it: to make pictures of a whole group takes longer than to
 decode it."""
