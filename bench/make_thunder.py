@@ -39,7 +39,7 @@ _LEAST_HALF = 16
 
 
 def read(folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Return the graph's nodes by name, and its weights by name."""
+    """The graph's nodes by name, and its weights by name."""
     for name, digest in SOURCES.items():
         found = hashlib.sha256((folder / name).read_bytes()).hexdigest()
         if found != digest:

@@ -39,7 +39,7 @@ LARGEST_COPY_BYTES: Final = 96 * 2**20
 
 
 def died_words(file: str) -> str:
-    """Return what is said of a file whose reader ended without a word."""
+    """What is said of a file whose reader ended without a word."""
     return f"{file} is damaged, or needs too much time or memory to be read: export it again."
 
 
@@ -60,7 +60,7 @@ READING: Final = Terms()
 
 
 def read_apart(reader: Callable[..., T], path: Path, *arguments: Any, terms: Terms = READING) -> T:
-    """Return what a reader makes of a file; the error of `terms`, by itself FormatError, in one
+    """What a reader makes of a file; the error of `terms`, by itself FormatError, in one
     sentence, whatever the file does to it.
     """
     with reading_apart(reader, terms) as read:

@@ -149,7 +149,7 @@ def _require_unwritten(path: Path, facts: os.stat_result) -> None:
 
 
 def _is_own_group(gid: int) -> bool:
-    """Return whether a group is that of this user alone, as many systems make one for each."""
+    """Whether a group is that of this user alone, as many systems make one for each."""
     import grp
     import pwd
 

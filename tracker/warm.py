@@ -39,7 +39,7 @@ OF_FILMS = tuple(dict.fromkeys(BY_KEYPOINTS + BY_BRIGHTNESS))
 
 
 def needed(session: Session) -> Sequence[str]:
-    """Return the parts of the loops that a session is tracked with; another one that is needed all
+    """The parts of the loops that a session is tracked with; another one that is needed all
     the same is compiled then."""
     return _NEEDED.of(session)(session)
 
@@ -55,13 +55,13 @@ _NEEDED: ByEvidence[Callable[[Session], Sequence[str]]] = ByEvidence(
 
 
 def is_warm(parts: Collection[str] = (_DONE,)) -> bool:
-    """Return whether the loops, all or these parts, as their files lie here, were compiled on this
+    """Whether the loops, all or these parts, as their files lie here, were compiled on this
     machine before."""
     return _is_marked(_DONE) or all(_is_marked(_mark_of(part)) for part in parts)
 
 
 def preparing_words(percent: int = 0) -> str:
-    """Return what is said while `warm` compiles the loops, of which so much is done."""
+    """What is said while `warm` compiles the loops, of which so much is done."""
     problem = kernels.FOLDER.problem
     if problem:
         return (
@@ -198,7 +198,7 @@ def _helpers() -> int:
 
 
 def are_hulls_warm() -> bool:
-    """Return whether the loops of visual hulls were compiled on this machine before."""
+    """Whether the loops of visual hulls were compiled on this machine before."""
     return _is_marked(_HULLS_DONE)
 
 

@@ -319,7 +319,7 @@ def _help(order: type, name: str, one: Option) -> str:
 
 
 def typed(value: Value) -> Callable[[str], Any]:
-    """Return what reads such a value for the parser."""
+    """What reads such a value for the parser."""
 
     def parse(text: str) -> Any:
         try:

@@ -168,7 +168,7 @@ def cores_and_memory() -> Iterator[Finding]:
 
 
 def _memory_gb() -> float | None:
-    """Return the computer's memory; None where the system does not say so."""
+    """The computer's memory; None where the system does not say so."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     except (AttributeError, OSError, ValueError):
@@ -190,7 +190,7 @@ def folders(workspace: Path | None = None) -> Iterator[Finding]:
 
 
 def _folder(name: str, folder: Path, state: State, remedy: str) -> Finding:
-    """Return whether it, or the nearest folder above that exists, can be written to."""
+    """Whether it, or the nearest folder above that exists, can be written to."""
     nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     try:
         with tempfile.TemporaryFile(dir=nearest) as probe:

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _usual_place(meshes: Path | None) -> Path:
-    """Return where the session lies when nobody says."""
+    """Where the session lies when nobody says."""
     if meshes is None:
         return Path(SESSION)
     stem = meshes.name if meshes.is_dir() else meshes.stem
@@ -79,7 +79,7 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
 
 
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
-    """Return how the surfaces are to be fitted. What the poses were set by is not changed."""
+    """How the surfaces are to be fitted. What the poses were set by is not changed."""
     surface = surface_of(session)
     for name, what in (("units", "in {}"), ("up", "with {} up")):
         given, known = getattr(arguments, name), getattr(surface, name)

@@ -118,7 +118,7 @@ def _require_known_options(words: list[str], command: _Parser) -> None:
 
 
 def _nearest(given: str, known: list[str]) -> str:
-    """Return what was meant, where it can be guessed."""
+    """What was meant, where it can be guessed."""
     near = get_close_matches(given, known, n=1)
     return f"; did you mean {near[0]}?" if near else ""
 

@@ -165,7 +165,7 @@ def _pool(arguments: argparse.Namespace, processes: int) -> Iterator[WorkerPool]
 
 
 def workers_of(arguments: argparse.Namespace) -> int:
-    """Return as many workers as were asked for, or one for each core that has enough memory.
+    """As many workers as were asked for, or one for each core that has enough memory.
 
     Two processes on two cores compute together no longer than one does alone, so that more of them
     than there are cores would gain nothing.
@@ -234,5 +234,5 @@ class _Batch:
 
     @property
     def is_good(self) -> bool:
-        """Return whether all are done and nothing was lost."""
+        """Whether all are done and nothing was lost."""
         return all(s.is_done and not s.count("lost") for s in self.summaries.values())

@@ -79,7 +79,7 @@ def _open(
 def _with_reading(
     path: Path | None, library: Library, arguments: argparse.Namespace
 ) -> Path | None:
-    """Return what to open, once its film or meshes are read as a person says."""
+    """What to open, once its film or meshes are read as a person says."""
     if taken := said(order_of(FilmTaken, arguments)):
         if path is None:
             raise KeyposeError("--recorded-fps and --deinterlace need a video or a session.")
@@ -179,7 +179,7 @@ def _is_own(host: str) -> bool:
 
 
 def _names(host: str) -> tuple[str, ...]:
-    """Return what a request may call this server besides the address at which it arrives."""
+    """What a request may call this server besides the address at which it arrives."""
     return (socket.gethostname(),) if is_wildcard(host) else (host_in_url(host),)
 
 

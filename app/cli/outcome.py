@@ -218,7 +218,7 @@ def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
 
 
 def _interruption_message(summary: dict[str, Any]) -> str:
-    """Return what is there of a run that was interrupted."""
+    """What is there of a run that was interrupted."""
     found = summary["segments"]
     parts = sum(segment.get("missing", 0) > 0 for segment in found)
     whole = f"{len(found) - parts} of {summary['segments_of']} segments are"

@@ -50,7 +50,7 @@ def _require_size(session: Session, order: PictureOrder) -> None:
 
 
 def _poses(session: Session, session_path: Path, frame: int, order: PictureOrder) -> KnownPoses:
-    """Return the poses with the one to draw; SessionError when the frame is neither a keyframe nor
+    """The poses with the one to draw; SessionError when the frame is neither a keyframe nor
     tracked.
     """
     require_frame(session, frame)

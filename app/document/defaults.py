@@ -77,7 +77,7 @@ class Defaults(BaseModel):
 
     @property
     def track_settings(self) -> TrackSettings:
-        """Return how a new session of a video is tracked."""
+        """How a new session of a video is tracked."""
         return TrackSettings(
             method=self.method,
             quality=self.quality,
@@ -94,7 +94,7 @@ def defaults_path() -> Path:
 
 
 def read_defaults() -> Defaults:
-    """Return what the file says, and what is built in where it says nothing.
+    """What the file says, and what is built in where it says nothing.
 
     KeyposeError in one sentence when it cannot be read or says what cannot be.
     """

@@ -70,7 +70,7 @@ class EditLog:
     # --- on the loop's thread
 
     def note(self, edit: EditorState, received: Received | None = None) -> bool:
-        """Return whether something was decided, which has to be written. received: whose edits are
+        """Whether something was decided, which has to be written. received: whose edits are
         in what is settled of it, where that has changed.
         """
         if edit.settled is self._last.doc and edit.history is self._last.history:
@@ -133,11 +133,11 @@ class EditLog:
             return self._pending[0][0].doc if self._pending else doc
 
     def is_written(self) -> bool:
-        """Return whether the journal has everything."""
+        """Whether the journal has everything."""
         return self._noted == self._written
 
     def is_own(self, path: Path) -> bool:
-        """Return whether a session file is as this program read it or left it."""
+        """Whether a session file is as this program read it or left it."""
         try:
             return read_regular(path, LARGEST_SESSION_BYTES) in self._ours
         except OSError:
@@ -155,7 +155,7 @@ class EditLog:
         return theirs
 
     def _there(self, path: Path) -> tuple[bytes, ...]:
-        """Return what lies there now, ours or set aside; all that may, where it cannot be read."""
+        """What lies there now, ours or set aside; all that may, where it cannot be read."""
         try:
             return (read_regular(path, LARGEST_SESSION_BYTES),)
         except OSError:

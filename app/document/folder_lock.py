@@ -117,6 +117,6 @@ def _holder(descriptor: int) -> str:
 
 
 def _content(descriptor: int, start: int = 0) -> bytes:
-    """Return what it holds from there on, and no more than shows that it is too long."""
+    """What it holds from there on, and no more than shows that it is too long."""
     os.lseek(descriptor, start, os.SEEK_SET)
     return os.read(descriptor, LONGEST_HOLDER + 1)

@@ -166,7 +166,7 @@ def open_with_reading(
 def _filled(
     surface: Surface, session_path: Path, reading: Reading, cameras: Path | None
 ) -> tuple[Reading, Path | None]:
-    """Return what a person says now, and what is left out as the session has it."""
+    """What a person says now, and what is left out as the session has it."""
     filled = Reading(reading.units or surface.units, reading.up or surface.up)
     if cameras is None and surface.cameras is not None:
         cameras = session_path.absolute().parent / surface.cameras

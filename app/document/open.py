@@ -67,16 +67,16 @@ class OpenSession:
 
     @property
     def name(self) -> str:
-        """Return what it is called where a person has not said so: as its folder, or its video."""
+        """What it is called where a person has not said so: as its folder, or its video."""
         folder = self.session_path.parent.name
         return folder.removesuffix(".keypose") or self.video.info.path.stem
 
     def is_same(self, other: OpenSession) -> bool:
-        """Return whether both are saved in one file."""
+        """Whether both are saved in one file."""
         return _is_one_file(self.session_path, other.session_path)
 
     def is_stale(self) -> bool:
-        """Return whether its files have been written to since they were read."""
+        """Whether its files have been written to since they were read."""
         return _content(self.session_path) != self.journal.content or (
             _length(journal_path(self.session_path)) != self.journal.length
         )
@@ -124,7 +124,7 @@ def _with_meshes(path: Path, session_for: Callable[[Path], Path]) -> OpenSession
 
 
 def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
-    """Return what the page starts from: the session at its first keyframe, with its tracked motion.
+    """What the page starts from: the session at its first keyframe, with its tracked motion.
 
     And a sentence where that cannot be read, for the keyframes are worth more than the motion.
     """
@@ -202,7 +202,7 @@ def _open(path: Path) -> OpenSession:
 
 
 def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
-    """Return what has changed beside a session, if it was known before."""
+    """What has changed beside a session, if it was known before."""
     known, there = before.evidence.fingerprints, now.evidence.fingerprints
     others = [what for what, was in known.items() if was not in ("", there[what])]
     if not others:

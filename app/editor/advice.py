@@ -113,7 +113,7 @@ def _by_gain(known: JudgedSegments, tracks: Sequence[SegmentResult]) -> Suggesti
 
 
 def _gains_by(known: JudgedSegments, track: SegmentResult) -> tuple[float, float, float]:
-    """Return how much a keyframe would mend: by the joint that is farthest off where joints are
+    """How much a keyframe would mend: by the joint that is farthest off where joints are
     observed, else by what may have drifted.
     """
     found = problem_of(known, track)
@@ -123,13 +123,13 @@ def _gains_by(known: JudgedSegments, track: SegmentResult) -> tuple[float, float
 
 
 def _is_open(known: JudgedSegments, track: SegmentResult) -> bool:
-    """Return whether something is wrong with a segment to which nobody has said anything yet."""
+    """Whether something is wrong with a segment to which nobody has said anything yet."""
     found = problem_of(known, track)
     return found is not None and found.answer is None
 
 
 def _about(known: JudgedSegments, track: SegmentResult) -> Suggestion:
-    """Return what a segment needs."""
+    """What a segment needs."""
     found = problem_of(known, track)
     assert found is not None
     frame, why = found.frame, detail_of(found)
@@ -141,7 +141,7 @@ def _about(known: JudgedSegments, track: SegmentResult) -> Suggestion:
 
 
 def _need(track: SegmentResult) -> int:
-    """Return how many frames a keyframe there would mend: those in doubt, or all that are lost."""
+    """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
     verdict = track.verdict
     if verdict is not None and verdict.kind == "check" and verdict.frames is not None:
         return verdict.frames[1] - verdict.frames[0]
@@ -300,7 +300,7 @@ _THERE: Mapping[ProblemCause, str] = {
 
 
 def _doubtful(track: SegmentResult) -> int:
-    """Return how many frames are in doubt."""
+    """How many frames are in doubt."""
     frames = None if track.verdict is None else track.verdict.frames
     first, last = frames or track.span
     return last - first

@@ -47,7 +47,7 @@ _WHY_NOT: Final[Mapping[StopCause, str]] = {
 
 
 def why_stopped(record: Ahead) -> str:
-    """Return what is not known of the frames beyond: "Right forearm may be wrong from there, hidden
+    """What is not known of the frames beyond: "Right forearm may be wrong from there, hidden
     behind the chest".
     """
     return _WHY[record.stop.cause].format(**_named(record.stop, record.is_forward))
@@ -59,7 +59,7 @@ def tracked_to(record: Ahead) -> str:
 
 
 def found_sentence(found: FoundAhead) -> str:
-    """Return what is said when it ends."""
+    """What is said when it ends."""
     if found.to_frame == found.frame:
         why = _WHY_NOT.get(found.stop.cause, "nothing leads on")
         named = _named(found.stop, found.direction == "forward")
@@ -159,7 +159,7 @@ def without_followed(doc: Session) -> Session:
 
 
 def stands(doc: Session, record: Ahead) -> bool:
-    """Return whether what was followed still leads on from where the keyframes end."""
+    """Whether what was followed still leads on from where the keyframes end."""
     if not doc.subject.keyframes:
         return False
     keyframe: Keyframe = doc.subject.keyframes[-1 if record.is_forward else 0]

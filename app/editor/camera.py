@@ -204,7 +204,7 @@ MESSAGES = (
 
 
 def _crosses(one: tuple[Spot, Spot], other: tuple[Spot, Spot]) -> bool:
-    """Return whether two lines cross between their ends."""
+    """Whether two lines cross between their ends."""
 
     def side(line: tuple[Spot, Spot], p: Spot) -> float:
         (ax, ay), (bx, by) = line

@@ -121,13 +121,13 @@ class Copied(BaseModel):
         return self.model_copy(update={"film": film, "frame": frame})
 
     def frame_in(self, doc: Session) -> int | None:
-        """Return at which frame of a session's film it was copied; None where of another one."""
+        """At which frame of a session's film it was copied; None where of another one."""
         frame = self.frame if self.film == doc.view.video.fingerprint else None
         return frame if frame is None or frame < doc.view.video.frame_count else None
 
     @property
     def text(self) -> str:
-        """Return the text that stands on a clipboard."""
+        """The text that stands on a clipboard."""
         keys = tuple(key.model_copy(update=_rounded(key)) for key in self.keys)
         unsaid = {"film", "frame"} if self.frame is None else None
         return self.model_copy(update={"keys": keys}).model_dump_json(exclude=unsaid)

@@ -43,7 +43,7 @@ def valid(kind: type[Model], values: Mapping[str, Any]) -> Model:
 
 
 def require_in_video(state: EditorState, frame: int) -> int:
-    """Return a frame that the video has; refused where it has not."""
+    """A frame that the video has; refused where it has not."""
     if frame >= state.frame_count:
         raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
     return frame

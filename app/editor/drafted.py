@@ -75,7 +75,7 @@ def require_rest(doc: Session) -> record.DraftRest:
 
 
 def keeps_proportions(doc: Session) -> bool:
-    """Return whether somebody has sized the body: keyframes are posed with it, or it is no
+    """Whether somebody has sized the body: keyframes are posed with it, or it is no
     preset's. A height alone says nothing of its proportions."""
     body = without_clavicles(doc.subject.body)
     return bool(doc.subject.keyframes) or unscaled(body, map(preset, PRESETS)) is None
@@ -152,7 +152,7 @@ SAME_UP_DEG: Final = 2.0
 
 
 def has_drafts_for_other_up(doc: Session) -> bool:
-    """Return whether drafts that nobody has posed were found for another up than the session has by
+    """Whether drafts that nobody has posed were found for another up than the session has by
     now, and can be found anew from their keypoints."""
     found, up = doc.subject.drafted, doc.world.up_world
     if found is None or up is None:
@@ -215,7 +215,7 @@ def _record(
     up_camera: Position | None,
     flipped: Sequence[record.FlippedDrafts],
 ) -> record.Drafted:
-    """Return what was found in the frames taken over, and before in others: as long as there are
+    """What was found in the frames taken over, and before in others: as long as there are
     drafts of these, what is up is as they had it."""
     first, last = frames
     if doc.subject.drafted is not None and any(frame not in taken for frame in to_lift(doc)):
@@ -261,7 +261,7 @@ def _flipped_runs(wrong: Mapping[int, tuple[str, ...]]) -> Iterator[record.Flipp
 
 
 def _left_before(doc: Session, taken: Collection[int]) -> record.DraftRest | None:
-    """Return what an earlier draft was cancelled before and this one has not taken over."""
+    """What an earlier draft was cancelled before and this one has not taken over."""
     rest = None if doc.subject.drafted is None else doc.subject.drafted.rest
     left = [] if rest is None else [frame for frame in frames_of(rest.frames) if frame not in taken]
     return rest.model_copy(update={"frames": tuple(frame_runs(left))}) if rest and left else None
@@ -293,7 +293,7 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
 
 
 def _can_learn(doc: Session) -> bool:
-    """Return whether there are drafts whose keypoints are known."""
+    """Whether there are drafts whose keypoints are known."""
     return _has_found_keypoints(doc) and any(draft.drafted for draft in doc.subject.drafts)
 
 

@@ -104,7 +104,7 @@ MESSAGES = (Floor, UpFromFeet, Horizon)
 
 
 def uneven_feet_m(state: EditorState) -> float | None:
-    """Return by how much pinned feet differ in height while nobody has said what is up, metres;
+    """By how much pinned feet differ in height while nobody has said what is up, metres;
     None where that is no more than where one stands on a slope.
     """
     if state.doc.world.up_world is not None or not state.doc.subject.pins:
@@ -141,7 +141,7 @@ def _here(state: EditorState, part: str, landmarks: tuple[str, ...]) -> Pin:
 
 
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:
-    """Return how high a pin's lowest point lies at a frame, metres along up in the world."""
+    """How high a pin's lowest point lies at a frame, metres along up in the world."""
     return round(float((_points_at(state, pin, frame) @ np.array(up_in_world(state.doc))).min()), 4)
 
 

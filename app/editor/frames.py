@@ -123,5 +123,5 @@ def pointer_views(doc: Session, frame: int, eye: Eye | None = None) -> dict[str,
 
 
 def first_pose(doc: Session) -> Pose:
-    """Return where a body stands before anybody posed it."""
+    """Where a body stands before anybody posed it."""
     return opening_pose(doc.subject.body, doc.view.camera, up_in_world(doc))

@@ -77,7 +77,7 @@ class Edit(Message):
         return self.apply(before), None
 
     def label(self, state: EditorState) -> str:
-        """Return what undo offers to undo: "turn right forearm"."""
+        """What undo offers to undo: "turn right forearm"."""
         target = getattr(self, self.target) if self.target else None
         if target is None:
             return self.verb

@@ -56,7 +56,7 @@ def settled_skeleton(edit: EditorState) -> Skeleton:
 
 
 def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) -> KnownMotion:
-    """Return the motion from first to last, both inside the segments: every stride-th frame, and
+    """The motion from first to last, both inside the segments: every stride-th frame, and
     the keyframes.
 
     Of the document without the gesture under way, which outdates what was tracked only when it

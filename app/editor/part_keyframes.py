@@ -131,12 +131,12 @@ def keyed_limbs(body: Body, parts: Iterable[str]) -> list[tuple[str, tuple[str, 
 
 
 def keyed_words(body: Body, parts: Iterable[str]) -> str:
-    """Return what of the body is keyed: "right arm and left leg"."""
+    """What of the body is keyed: "right arm and left leg"."""
     return listed([label.lower() for label, _ in keyed_limbs(body, parts)])
 
 
 def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
-    """Return what a draft of the frame moved; none without a draft, or where more than limbs moved
+    """What a draft of the frame moved; none without a draft, or where more than limbs moved
     and a part is selected.
     """
     if draft_at(state, frame) is None:

@@ -39,7 +39,7 @@ def corner_near(
 
 
 def shares_points(one: Pin, other: Pin) -> bool:
-    """Return whether two pins hold a point in common, whatever their frames."""
+    """Whether two pins hold a point in common, whatever their frames."""
     span = {"first_frame": one.first_frame, "last_frame": one.last_frame}
     return one.overlaps(other.model_copy(update=span))
 
@@ -59,7 +59,7 @@ def pinned_ends(session: Session, frame: int) -> frozenset[str]:
 
 
 def open_proposals(state: EditorState) -> tuple[Pin, ...]:
-    """Return what is proposed and neither pinned in some way nor dismissed."""
+    """What is proposed and neither pinned in some way nor dismissed."""
     answered = (*state.doc.subject.pins, *state.dismissed_pins)
     return tuple(
         pin for pin in state.proposals if not any(pin.overlaps(known) for known in answered)
@@ -67,7 +67,7 @@ def open_proposals(state: EditorState) -> tuple[Pin, ...]:
 
 
 def pin_result(state: EditorState, pin: Pin) -> PinResult | None:
-    """Return how well this very pin holds where the motion is solved for; None before."""
+    """How well this very pin holds where the motion is solved for; None before."""
     found = [one for stretch in state.results.space(state.settled) for one in stretch.pins]
     own = [
         one
@@ -175,7 +175,7 @@ def _across(steps: Array, rays: Array) -> Array:
 
 
 def _interval(state: EditorState, frame: int) -> tuple[int, int]:
-    """Return the frames from the keyframe at a frame or before it to the next; the frame alone
+    """The frames from the keyframe at a frame or before it to the next; the frame alone
     outside of them.
     """
     keys = state.keys

@@ -63,7 +63,7 @@ class PosedByCorners:
 
 
 def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
-    """Return the corners placed at the present frame, the last one last."""
+    """The corners placed at the present frame, the last one last."""
     readout = state.stroke.readout if state.stroke else None
     if readout is not None:
         return readout.corners
@@ -140,13 +140,13 @@ class Drag(Edit, Gesture):
 
 
 def _held(before: EditorState, frame: int, pose: Pose) -> Held:
-    """Return what stays while something is dragged, and the poses of the frames beside."""
+    """What stays while something is dragged, and the poses of the frames beside."""
     doc = before.doc
     return Held(_placed(doc, pose), pinned_ends(doc, frame), beside=poses_beside(before, frame))
 
 
 def _is_posed_elsewhere(state: EditorState) -> bool:
-    """Return whether a pose at another frame was found with the sizes as they are."""
+    """Whether a pose at another frame was found with the sizes as they are."""
     posed = (*state.doc.subject.keyframes, *state.doc.subject.drafts)
     return any(one.frame != state.frame for one in posed)
 
@@ -345,7 +345,7 @@ def with_pose(
 
 
 def _softness(state: EditorState, frame: int, in_picture: bool) -> Softness:
-    """Return how soft a pose is that is set at a frame: one found in the film, or softened, and put
+    """How soft a pose is that is set at a frame: one found in the film, or softened, and put
     right in the picture alone stays soft in depth.
     """
     keyframe, draft = find(state.doc.subject.keyframes, frame), draft_at(state, frame)

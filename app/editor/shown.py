@@ -52,7 +52,7 @@ def poses_beside(state: EditorState, frame: int) -> tuple[Pose, ...]:
 
 
 def _followed(state: EditorState, frame: int) -> ShownPose | None:
-    """Return the pose as it was tracked, or as limbs of it were set."""
+    """The pose as it was tracked, or as limbs of it were set."""
     tracked = state.tracked(frame)
     if tracked is not None:
         return ShownPose(tracked, "tracked")
@@ -61,7 +61,7 @@ def _followed(state: EditorState, frame: int) -> ShownPose | None:
 
 
 def posed_at(state: EditorState, frame: int) -> ShownPose | None:
-    """Return what a person posed at a frame: a draft before the keyframe it would replace."""
+    """What a person posed at a frame: a draft before the keyframe it would replace."""
     draft, keyframe = draft_at(state, frame), find(state.doc.subject.keyframes, frame)
     if draft is not None:
         return ShownPose(draft.pose(state.skeleton), "draft")
@@ -81,14 +81,14 @@ def draft_at(state: EditorState, frame: int) -> Keyframe | None:
 
 
 def counts(state: EditorState, draft: Keyframe) -> bool:
-    """Return whether a draft is the pose of its frame: one that was found in the film gives way to
+    """Whether a draft is the pose of its frame: one that was found in the film gives way to
     what is tracked there by now.
     """
     return not draft.is_found or state.tracked(draft.frame) is None
 
 
 def is_met(state: EditorState, keyframe: Keyframe) -> bool:
-    """Return whether the motion is, at a keyframe, as that was posed: past a soft one it goes as it
+    """Whether the motion is, at a keyframe, as that was posed: past a soft one it goes as it
     was solved for.
     """
     return not keyframe.soft or state.tracked(keyframe.frame) is None

@@ -111,7 +111,7 @@ class EditorState:
 
     @property
     def camera(self) -> Camera:
-        """Return the camera as it is at the present frame."""
+        """The camera as it is at the present frame."""
         return self.doc.camera_at(self.frame)
 
     @property
@@ -178,7 +178,7 @@ class EditorState:
 
     @property
     def proposals(self) -> tuple[Pin, ...]:
-        """Return where feet stand still, as the motion was last solved for in space."""
+        """Where feet stand still, as the motion was last solved for in space."""
         known = self.results.space(self.settled)
         if not known:
             return self.proposed_pins
@@ -216,7 +216,7 @@ class EditorState:
         return replace(changed, opening=first_pose(doc))
 
     def _opening_for(self, doc: Session) -> Pose:
-        """Return where the body stands before it is posed: as large with another lens."""
+        """Where the body stands before it is posed: as large with another lens."""
         if doc.view.camera is self.doc.view.camera or doc.view.surface is not None:
             return self.opening
         return first_pose(doc)

@@ -83,7 +83,7 @@ def write_film(
 
 
 def film_words(session: Session, poses: KnownPoses, film: Film) -> list[str]:
-    """Return what a person should know of a film: what it does not show, sentences."""
+    """What a person should know of a film: what it does not show, sentences."""
     changed = outdated_words(session, poses.tracks) if poses.tracks is not None else None
     count, posed = film.last - film.first + 1, len(posed_frames(poses, film))
     without = f"{count - posed} of the film's {count} frames have no pose and show no body."
@@ -105,7 +105,7 @@ def clock_of(
 
 
 def _has_no_clock(session: Session, video: Video) -> bool:
-    """Return whether its rate is what the session says: images have none; slow motion stays so."""
+    """Whether its rate is what the session says: images have none; slow motion stays so."""
     return video.info.container == "images" and session.evidence.fps is not None
 
 

@@ -59,7 +59,7 @@ _HEAD = """\
 
 
 def module_text() -> str:
-    """Return the whole module."""
+    """The whole module."""
     exports = {what: _options(order) for what, order in EXPORTS.items()}
     imports = {kind: _options(order) for kind, order in IMPORTS.items()}
     formats = {name: _format(name) for name in FORMATS}

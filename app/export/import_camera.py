@@ -206,7 +206,7 @@ def _of_film(way: CameraWay, frame_count: int, file: str) -> CameraWay:
 
 
 def turned_deg(session: Session, made: Session) -> float:
-    """Return by how much what is up has changed, degrees."""
+    """By how much what is up has changed, degrees."""
     before, after = (np.array(s.world.up_world or CAMERA_UP) for s in (session, made))
     cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))

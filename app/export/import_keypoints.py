@@ -48,7 +48,7 @@ class Draft:
 def match_keypoints(
     session: Session, keypoints: Keypoints, file: str, also: Mapping[str, str] | None = None
 ) -> Matched:
-    """Return which keypoints are where on the session's body, by their names.
+    """Which keypoints are where on the session's body, by their names.
 
     also: places of the body by names in the file, said by a person, beside what is known.
     FormatError in one sentence where too few are known to pose the body.

@@ -211,7 +211,7 @@ def _best_start(
     scale = median_ratio(bone_ratios(points, motion.ps_world_joint[:, indices]))
 
     def miss(start: int) -> tuple[int, float]:
-        """Return how many keyframes it reaches, and its root mean square distance from these,
+        """How many keyframes it reaches, and its root mean square distance from these,
         metres.
         """
         theirs = motion.at(at_keys - times_s[start])[:, indices]
@@ -274,7 +274,7 @@ def _middle(camera: Camera, z: float) -> Array:
 def _pose_per_frame(
     path: CameraPath | None, posed: Mapping[int, Pose], first: int, count: int
 ) -> list[Pose | None]:
-    """Return for every frame the pose between its keyframes, or that of the nearest, in the world,
+    """For every frame the pose between its keyframes, or that of the nearest, in the world,
     as the camera sees it there; None without any.
     """
     frames, placed = sorted(posed), in_world(path, posed)

@@ -80,7 +80,7 @@ def import_file(
     video: VideoInfo,
     progress: Progress | None = None,
 ) -> Import:
-    """Return what the file holds, brought to the session; FormatError in one sentence where it does
+    """What the file holds, brought to the session; FormatError in one sentence where it does
     not suit it. progress: receives how many frames of how many are done.
     """
     if isinstance(order, ImportMotion):
@@ -166,7 +166,7 @@ def import_keypoints(
 
 
 def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
-    """Return what keypoints are checked against; images have no rate of their own."""
+    """What keypoints are checked against; images have no rate of their own."""
     video = session.view.video
     has_rate = info.container != "images" and not info.variable_rate
     return VideoFacts(video.frame_count, video.width, video.height, info.fps if has_rate else None)
@@ -192,7 +192,7 @@ def _wanted_frames(session: Session, keypoints: Keypoints, order: ImportKeypoint
 
 
 def names_of(known: Matched, names: Sequence[str]) -> dict[str, Any]:
-    """Return which of a file's names are known."""
+    """Which of a file's names are known."""
     return {
         "convention": known.convention,
         "matched": {names[i]: ours for i, ours, _ in known.known},

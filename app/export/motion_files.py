@@ -69,7 +69,7 @@ def _between(recording: Recording, frames: Span) -> Recording:
 def sampling_words(
     recording: Recording, order: MotionOrder, formats: Sequence[MotionFormat]
 ) -> str | None:
-    """Return what a person should know of files in these formats; None if as tracked."""
+    """What a person should know of files in these formats; None if as tracked."""
     sentences = []
     if order.filter_hz is not None:
         metres, radians = moved_at_keyframes(low_passed(recording, order.filter_hz), recording)

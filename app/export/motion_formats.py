@@ -65,7 +65,7 @@ class Format:
     numbered: bool = False
 
     def contents(self, recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
-        """Return what its files hold; FormatError when it cannot hold the motion."""
+        """What its files hold; FormatError when it cannot hold the motion."""
         if not isinstance(self.write, str):
             return self.write(recording, order)
         module, name = self.write.rsplit(".", 1)
@@ -106,7 +106,7 @@ def _usd(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
 
 
 def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
-    """Return which side each part is of, and the colours of the sides."""
+    """Which side each part is of, and the colours of the sides."""
     from keypose.app.render.palette import SIDE_COLOURS, part_sides
 
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}

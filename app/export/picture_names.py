@@ -8,7 +8,7 @@ from keypose.tracker.video import VideoInfo
 
 
 def picture_names(info: VideoInfo, frames: Iterable[int]) -> list[str]:
-    """Return the names of the pictures of these frames, with the numbers of the film's own
+    """The names of the pictures of these frames, with the numbers of the film's own
     pictures where these are numbered."""
     numbers = info.file_numbers or range(info.frame_count)
     digits = max(4, len(str(numbers[-1])))

@@ -65,7 +65,7 @@ def sheet_layout(count: int, aspect: float) -> tuple[int, tuple[int, int]]:
 
 
 def _oddness(columns: int, count: int, aspect: float) -> float:
-    """Return how far the sheet is from the wished-for shape, and how much of it stays empty."""
+    """How far the sheet is from the wished-for shape, and how much of it stays empty."""
     rows = -(-count // columns)
     shape = abs(math.log(columns * aspect / rows / ASPECT))
     return shape + 1.5 * (rows * columns - count) / count

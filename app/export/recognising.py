@@ -67,7 +67,7 @@ class Recognised:
 
 
 def kind_of(path: Path) -> Kind:
-    """Return what a file holds, by the ending of its name and, where several have that, by what is
+    """What a file holds, by the ending of its name and, where several have that, by what is
     in it. FormatError in one sentence where it is nothing that can be imported.
     """
     ending = path.suffix.lower()
@@ -113,7 +113,7 @@ def _kind_of_json(file: str, content: bytes) -> Kind:
 
 
 def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """Return what a file holds and how much of it the session can take; FormatError in one sentence
+    """What a file holds and how much of it the session can take; FormatError in one sentence
     where nothing.
     """
     kind = kind_of(path)
@@ -144,7 +144,7 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
 
 
 def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """Return where it must be said which of several is meant, those are listed, and the rest is
+    """Where it must be said which of several is meant, those are listed, and the rest is
     reported of the first.
     """
     people, individuals = _people(path)
@@ -183,7 +183,7 @@ def _motion(path: Path) -> tuple[JointMotion, tuple[str, ...]]:
 
 
 def _people(path: Path) -> tuple[People, tuple[str, ...]]:
-    """Return the people in a file, and the names of individuals to choose from: of the first, where
+    """The people in a file, and the names of individuals to choose from: of the first, where
     there are several.
     """
     try:
@@ -193,7 +193,7 @@ def _people(path: Path) -> tuple[People, tuple[str, ...]]:
 
 
 def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[People, list[str]]:
-    """Return those within the video and what is left out, or all and why they need another start
+    """Those within the video and what is left out, or all and why they need another start
     frame.
     """
     try:
@@ -204,7 +204,7 @@ def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[Pe
 
 
 def _recognised_camera(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """Return what is known of it without a look at the film; where it lies beside the film that is
+    """What is known of it without a look at the film; where it lies beside the film that is
     reported, for another start frame may be chosen."""
     ending = path.suffix.lower()
     found = load_camera(path, (session.view.camera.width, session.view.camera.height))

@@ -291,7 +291,7 @@ def taken_and_left(
 
 
 def progress_of(progress: DraftProgress) -> tuple[float, str]:
-    """Return the share and words. The network takes most of the time."""
+    """The share and words. The network takes most of the time."""
     share = progress.done / max(progress.expected, 1)
     if progress.stage == "keypoints":  # at frames from before and from after them, some twice
         digits = 0 if progress.expected <= PERCENT_OF_FRAMES else 1
@@ -301,7 +301,7 @@ def progress_of(progress: DraftProgress) -> tuple[float, str]:
 
 
 def _keypoints_before(doc: Session, path: Path, network: str) -> Keypoints | None:
-    """Return what the same network found for an earlier draft, perhaps of other frames."""
+    """What the same network found for an earlier draft, perhaps of other frames."""
     if doc.view.keypoints is None or doc.view.keypoints.network != network:
         return None
     with suppress(KeypointError):  # they are found again when needed

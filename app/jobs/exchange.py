@@ -73,7 +73,7 @@ Export: TypeAlias = FilmOrder | SheetOrder | PicturesOrder | MatteOrder
 
 
 def suffix_of(order: Export) -> str:
-    """Return what follows the session's name in that of the file."""
+    """What follows the session's name in that of the file."""
     if isinstance(order, FilmOrder):
         return ".mp4"
     if isinstance(order, SheetOrder):

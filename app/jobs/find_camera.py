@@ -60,7 +60,7 @@ def with_found(session: Session, found: FoundCamera) -> Session:
 
 
 def is_camera_wanted(session: Session) -> bool:
-    """Return whether a session says that its camera's motion is found, and nobody has found it."""
+    """Whether a session says that its camera's motion is found, and nobody has found it."""
     unknown = session.view.camera_motion is None and not session.has_static_camera
     return bool(session.settings.find_camera) and unknown and not session.evidence.has_surface
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def filmed_by(doc: Session) -> tuple[Any, ...]:
-    """Return all that says how the camera films: its lens, and its motion as corrected."""
+    """All that says how the camera films: its lens, and its motion as corrected."""
     return doc.view.camera, doc.view.camera_motion, doc.view.camera_keyframes
 
 
@@ -57,11 +57,11 @@ class Fit(Job):
         raise NotImplementedError
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
-        """Return what it stands or falls with."""
+        """What it stands or falls with."""
         raise NotImplementedError
 
     def stands(self, began: EditorState, edit: EditorState) -> bool:
-        """Return whether what it began from still stands."""
+        """Whether what it began from still stands."""
         return unchanged(self.inputs(edit.doc), self.inputs(began.doc))
 
     def apply(self, found: Any, state: AppState) -> tuple[AppState, str]:

@@ -101,7 +101,7 @@ class SizesPreview:
 
     @property
     def proposal(self) -> Proposal:
-        """Return what it was made from."""
+        """What it was made from."""
         chosen = self.found.with_poses if self.poses else self.found.alone
         assert chosen is not None
         return chosen

@@ -120,7 +120,7 @@ class Job:
 
     @property
     def failed(self) -> str:
-        """Return the title of its failure; empty where that is for whoever asked for it."""
+        """The title of its failure; empty where that is for whoever asked for it."""
         return ""
 
     def run(self, context: Context) -> Any:

@@ -67,13 +67,13 @@ class Shares:
 
     @property
     def share(self) -> float:
-        """Return the share of the whole job, 0 to 1."""
+        """The share of the whole job, 0 to 1."""
         total = sum(self.weights.values())
         done = sum(share * self.weights.get(step, 0.0) for step, share in self.shares.items())
         return done / total if total else 1.0
 
     def share_of(self, span: Span) -> float:
-        """Return the share of one segment, all its stages together."""
+        """The share of one segment, all its stages together."""
         weights = {step: weight for step, weight in self.weights.items() if step[0] == span}
         done = sum(self.shares.get(step, 0.0) * weight for step, weight in weights.items())
         return done / sum(weights.values()) if weights else 0.0

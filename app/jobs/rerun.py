@@ -41,7 +41,7 @@ from keypose.tracker.video.clip_loader import ONCE
 
 
 def why_untrackable(session: Session, session_path: Path) -> str:
-    """Return what a session without segments lacks, in a sentence that names its file."""
+    """What a session without segments lacks, in a sentence that names its file."""
     return _LACKING.of(session)(session, session_path)
 
 
@@ -213,7 +213,7 @@ def _in_space(session: Session, results: Results) -> Results:
 
 
 def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) -> Results:
-    """Return what was found and, where that is not whole, what is on disk and fits, if it is
+    """What was found and, where that is not whole, what is on disk and fits, if it is
     better.
     """
     spans = {track.span for track in found if not track.missing}
@@ -223,7 +223,7 @@ def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) 
 
 
 def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentResult]:
-    """Return the motion as tracked: what was solved in space would be smoothed again."""
+    """The motion as tracked: what was solved in space would be smoothed again."""
     try:
         fitting = load_results(session, path).fitting(session)
     except SessionError:  # missing or damaged: then there is nothing to keep

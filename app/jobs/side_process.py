@@ -33,7 +33,7 @@ class Work(Protocol):
 
     @property
     def died(self) -> str:
-        """Return what is said where the process ended without a word."""
+        """What is said where the process ended without a word."""
 
     def do(self, progress: Progress) -> Any:
         """Do it; KeyposeError in one sentence where that is not possible."""

@@ -75,7 +75,7 @@ class Tracking:
 
     @property
     def pid(self) -> int | None:
-        """Return the id of the worker process, if there is one."""
+        """The id of the worker process, if there is one."""
         return None if self._worker is None else self._worker.pid
 
     def _warm_up(self) -> None:

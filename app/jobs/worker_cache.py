@@ -39,7 +39,7 @@ class WorkerCache:
         self._keypoints: tuple[Path, Keypoints] | None = None
 
     def tracker(self, session: Session, video_path: str, folder: Path = Path()) -> SegmentTracker:
-        """Return what tracks the segments of a session.
+        """What tracks the segments of a session.
 
         folder: of the session's file, where the motion lies that it may start from.
 
@@ -48,7 +48,7 @@ class WorkerCache:
         return _TRACKERS.of(session)(self, session, video_path, folder)
 
     def fitter(self, session: Session, path: str, folder: Path) -> SurfaceFitter:
-        """Return what fits the surfaces of a session; as the last one while nothing of it is
+        """What fits the surfaces of a session; as the last one while nothing of it is
         another.
         """
         made_of = (session.subject.body, session.view.surface, session.subject.keyframes)
@@ -62,11 +62,11 @@ class WorkerCache:
         return steps_of(session, self.video(session, path, folder))
 
     def of_film(self, session: Session, path: str, folder: Path) -> SegmentTracker:
-        """Return what tracks the segments of a film."""
+        """What tracks the segments of a film."""
         return self._film_tracker(session, path, folder)
 
     def follower(self, session: Session, path: str, folder: Path) -> Tracker:
-        """Return what follows the body of a film, of which one keyframe is enough."""
+        """What follows the body of a film, of which one keyframe is enough."""
         return self._film_tracker(session, path, folder, fewest=1)
 
     def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:

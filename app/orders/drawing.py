@@ -158,7 +158,7 @@ class PictureOrder(Drawn):
 
     @property
     def is_plain(self) -> bool:
-        """Return whether the page draws it, too."""
+        """Whether the page draws it, too."""
         return self.size is None and self.scale == 1.0 and not self.on_nothing
 
 

@@ -49,12 +49,12 @@ def option(value: Value, words: str = "", default: Any = None, **how: Any) -> An
 
 
 def options_of(order: type) -> dict[str, Option]:
-    """Return the options of an order by the names of its fields."""
+    """The options of an order by the names of its fields."""
     return {f.name: f.metadata["option"] for f in fields(order) if "option" in f.metadata}
 
 
 def said_by_page(order: type) -> frozenset[str]:
-    """Return the names of the options that a page may say."""
+    """The names of the options that a page may say."""
     return frozenset(name for name, one in options_of(order).items() if one.page)
 
 
@@ -92,7 +92,7 @@ def require_one_of_each_group(
 
 
 def form_of(order: type) -> list[dict[str, Any]]:
-    """Return the options that a form of the page shows, with all that it needs to draw them: an
+    """The options that a form of the page shows, with all that it needs to draw them: an
     order's own before those that it shares with others."""
     own = inspect.get_annotations(order)
     options = sorted(options_of(order).items(), key=lambda item: item[0] not in own)

@@ -149,6 +149,6 @@ class FilmTaken:
 
 
 def said(order: object) -> dict[str, Any]:
-    """Return what an order says, by its fields; what it leaves out is not there."""
+    """What an order says, by its fields; what it leaves out is not there."""
     values = {name: getattr(order, name) for name in options_of(type(order))}
     return {name: value for name, value in values.items() if value is not None}

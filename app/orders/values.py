@@ -30,7 +30,7 @@ class Value:
     form: ClassVar[str] = "text"
 
     def read(self, text: str) -> Any:
-        """Return the value; Misread where the text is none."""
+        """The value; Misread where the text is none."""
         raise NotImplementedError
 
     def shape(self) -> dict[str, Any]:

@@ -211,7 +211,7 @@ def _shares(count: int) -> Array:
 
 
 def _worth(lever_arms: Array, shares: Array) -> float:
-    """Return by how much the direction to the end turns when the last part turns by 1."""
+    """By how much the direction to the end turns when the last part turns by 1."""
     sizes = np.sqrt((lever_arms**2).sum(axis=1))
     return float((sizes * shares).sum() / sizes.sum())
 

@@ -94,7 +94,7 @@ def _require_seen(context: GestureContext, view: PointerView, gesture: Gesture) 
 
 
 def _held(held: Held, view: PointerView, gesture: Gesture, taken: BodyHandle | str) -> Held:
-    """Return what stays in a gesture, and whether in the picture or in space.
+    """What stays in a gesture, and whether in the picture or in space.
 
     A drag along the picture says nothing of depth; that of the whole body in depth, only how large
     it is seen.

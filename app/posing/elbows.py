@@ -169,7 +169,7 @@ class Elbow:
         return unit(now) if bent_well else hinge.side * cross(hinge.axis, unit(hinge.upper))
 
     def _hinge_turn(self, R_upper: Array, end: Array) -> float:
-        """Return how far the hinge turns for the lower limb to point at the end's place."""
+        """How far the hinge turns for the lower limb to point at the end's place."""
         limb, hinge = self.limb, self.limb.hinge
         joint = limb.centre + R_upper @ hinge.upper
         wanted = across(R_upper.T @ (end - joint), hinge.axis)

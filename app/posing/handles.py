@@ -52,7 +52,7 @@ def handles(body: Body) -> tuple[BodyHandle, ...]:
 
 
 def _corners(skeleton: Skeleton, found: list[BodyHandle]) -> list[BodyHandle]:
-    """Return where the left and right limbs hang on the trunk, of a body that has a head."""
+    """Where the left and right limbs hang on the trunk, of a body that has a head."""
     body = skeleton.body
     head = next((handle for handle in found if handle.kind == "head"), None)
     if head is None:
@@ -94,12 +94,12 @@ def handle_at_far_end(body: Body, part: str) -> BodyHandle | None:
 
 
 def lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Return the groups of parts for lists, each with its label."""
+    """The groups of parts for lists, each with its label."""
     return tuple((part_label(name), parts) for name, parts in limb_groups(body))
 
 
 def _carries_more(skeleton: Skeleton, limb: tuple[str, ...]) -> bool:
-    """Return whether other limbs hang on this one, as on the chest."""
+    """Whether other limbs hang on this one, as on the chest."""
     inside = skeleton.below[:, skeleton.body.index(limb[0])].sum()
     return bool(inside > len(limb))
 

@@ -104,7 +104,7 @@ def _is_turned(pose: Pose, part: int) -> bool:
 
 
 def with_held_ends(before: GestureContext, posed: Posed, held: Held, moved: Moved) -> Posed:
-    """Return what a drag has made of the pose before it, its held ends back in their places."""
+    """What a drag has made of the pose before it, its held ends back in their places."""
     kept = keep_ends(before, posed.pose, held, moved)
     if kept.pose is posed.pose:
         return posed
@@ -128,7 +128,7 @@ def keep_ends(before: GestureContext, after: Pose, held: Held, moved: Moved) -> 
 
 
 def _is_carried(handle: BodyHandle, moved: Moved) -> bool:
-    """Return whether the trunk moves, or a part before the limb's bones."""
+    """Whether the trunk moves, or a part before the limb's bones."""
     limb = handle.limb
     return moved.part not in limb or limb.index(moved.part) < limb.index(handle.movers[0])
 
@@ -178,7 +178,7 @@ class _BroughtBack:
         return tuple(self.before.skeleton.body.index(name) for name in self.bending)
 
     def _bent(self, context: GestureContext, place: Array) -> Pose:
-        """Return where the limb was moved as a whole, it begins as it lay in space, so that elbows
+        """Where the limb was moved as a whole, it begins as it lay in space, so that elbows
         and knees do not turn with the trunk.
         """
         before, parts = self.before, self._parts
@@ -201,11 +201,11 @@ class _BroughtBack:
         return context.turned(seen.with_end(*ats).rotations)
 
     def _drags(self, part: int) -> bool:
-        """Return whether the joint of this part is what is dragged."""
+        """Whether the joint of this part is what is dragged."""
         return self.moved.joint and self.before.skeleton.body.index(self.moved.part) == part
 
     def _missed_m(self, end: Array, place: Array) -> float:
-        """Return how far an end is from its place; in the picture where it stays there."""
+        """How far an end is from its place; in the picture where it stays there."""
         view = self.held.seen
         if view is None or self.handle.name in self.held.pinned:
             return length(end - place)

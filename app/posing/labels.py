@@ -32,7 +32,7 @@ def short_label(name: str) -> str:
 
 
 def axis_labels(body: Body, name: str) -> dict[str, str]:
-    """Return what turning the part about its x, y and z is called."""
+    """What turning the part about its x, y and z is called."""
     part = body.parts[body.index(name)]
     if part.parent is None:
         return dict(_ROOT_AXES)

@@ -102,15 +102,14 @@ def triples(rotations: Array, box: Array | None = None) -> Array:
 
 
 def beyond(angles: Array, box: Array) -> Array:
-    """Return how far the worst of the angles (..., 3) lies outside the box, radians; 0 inside."""
+    """How far the worst of the angles (..., 3) lies outside the box, radians; 0 inside."""
     out = np.maximum(box[:, 0] - angles, angles - box[:, 1])
     return np.asarray(np.maximum(out, 0.0).max(axis=-1))
 
 
 def fitting(rotations: Array, box: Array | None) -> Array:
-    """Return of rotations (..., 3, 3) the triples [x, y, z] (..., 3) that lie deepest in the box,
-    the plain one first.
-    """
+    """The triple of angles [x, y, z] (..., 3) of each rotation (..., 3, 3) that lies deepest in
+    the box; of two as deep the plain one."""
     both = triples(rotations, box)
     if box is None:
         return np.asarray(both[..., 0, :])
@@ -120,7 +119,7 @@ def fitting(rotations: Array, box: Array | None) -> Array:
 
 
 def is_within(rotation: Array, allowed: JointRange | None) -> bool:
-    """Return whether the rotation is allowed."""
+    """Whether the rotation is allowed."""
     return allowed is None or bool(allowed.beyond(rotation) <= SLACK)
 
 
@@ -169,7 +168,7 @@ def _untwisted(rotation: Array, twist: TwistLimits | None) -> Array:
 
 
 def _toward_middle(rotation: Array, allowed: JointRange) -> Array:
-    """Return where angles and twist do not agree soon: on the way to the middle of the box."""
+    """Where angles and twist do not agree soon: on the way to the middle of the box."""
     middle = of_angles(_middle(allowed.box))
     way = log_rotation(rotation.T @ middle)
     low, high = 0.0, 1.0
@@ -189,7 +188,7 @@ def _nearest_in_box(rotation: Array, box: Array) -> Array:
 
 
 def _beyond_either(rotations: Array, box: Array) -> Array:
-    """Return how far the better of both triples lies outside."""
+    """How far the better of both triples lies outside."""
     return np.asarray(beyond(triples(rotations, box), box).min(axis=-1))
 
 

@@ -47,7 +47,7 @@ class Aim:
 
 
 def aim(view: PointerView, p_camera: Array, gesture: Gesture) -> Aim:
-    """Return where the gesture drags a point that it took hold of."""
+    """Where the gesture drags a point that it took hold of."""
     if gesture.axis is not None:
         direction = np.eye(3)["xyz".index(gesture.axis)]
         return _along(view, p_camera, direction, _on_axis(view, p_camera, direction, gesture))
@@ -144,7 +144,7 @@ def depth_text(p_camera: Array, kept: bool) -> str:
 
 
 def distance_text(way: Array, line: Array | None) -> str:
-    """Return how far something was dragged, with a sign along a line: "−12.0 cm"."""
+    """How far something was dragged, with a sign along a line: "−12.0 cm"."""
     if line is not None:
         return f"{number_text(100 * float(way @ unit(line)), 1, sign=True)} cm"
     return f"{number_text(100 * length(way), 1)} cm"

@@ -62,7 +62,7 @@ class PointerView:
 
     @property
     def is_films(self) -> bool:
-        """Return whether it is the film's own camera, which keeps the body's depth."""
+        """Whether it is the film's own camera, which keeps the body's depth."""
         return self.camera is not None and self.name != "free"
 
     @property

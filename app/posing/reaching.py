@@ -115,7 +115,7 @@ def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: H
 def _least(
     taken: Callable[[float], Reached], least: float, is_there: Callable[[Reached], bool]
 ) -> Reached | None:
-    """Return what is taken with the least share, from `least` to 1, that leads there; None where
+    """What is taken with the least share, from `least` to 1, that leads there; None where
     all of it does not.
     """
     found = taken(least)

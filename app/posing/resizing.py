@@ -168,7 +168,7 @@ def _require_between(what: str, cm: float, low: float, high: float) -> None:
 
 
 def _span(cm: float) -> tuple[float, float]:
-    """Return what a slider spans: steady while the size changes a little."""
+    """What a slider spans: steady while the size changes a little."""
     high = next((step for step in _LADDER if step >= 1.6 * cm), LARGEST_CM)
     return max(SMALLEST_CM, high / 100), high
 
@@ -190,7 +190,7 @@ def _labels(kind: str, keys: Sequence[str]) -> Iterator[str]:
 
 
 def _carrier(before: Shape, after: Shape) -> Callable[[Point], Point]:
-    """Return how a point in a part goes along with its surface."""
+    """How a point in a part goes along with its surface."""
 
     def carried(point: Point) -> Point:
         x, y, z = point

@@ -173,7 +173,7 @@ class SeenLimb:
 
 
 def _side_of(limb: TwoBones, view: PointerView, poses: Sequence[Pose]) -> float:
-    """Return how far beyond the first joint the middle one lies in poses, in bone lengths."""
+    """How far beyond the first joint the middle one lies in poses, in bone lengths."""
     found = []
     for pose in poses:
         p = pose_transforms(limb.context.skeleton, pose)[:, :3, 3]
@@ -183,7 +183,7 @@ def _side_of(limb: TwoBones, view: PointerView, poses: Sequence[Pose]) -> float:
 
 
 def _nearest_root(a: float, b: float, c: float, start: float) -> float:
-    """Return where a x² − 2 b x + c, which is above 0 at `start`, first is 0 on the way to its
+    """Where a x² − 2 b x + c, which is above 0 at `start`, first is 0 on the way to its
     least, or that where it never is; at most 1. a, b: not below 0.
     """
     inside = math.sqrt(max(b * b - a * c, 0.0))

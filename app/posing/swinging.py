@@ -98,7 +98,7 @@ def under_pointer(
 
 
 def keeps_level(view: PointerView, way: Array, radius: float) -> bool:
-    """Return whether a drag in this view leaves the depth of a point alone, which lies `way` (3,)
+    """Whether a drag in this view leaves the depth of a point alone, which lies `way` (3,)
     from the centre of its sphere.
 
     Each small view is there to set what the others do not show. Not on the picture, nor where so

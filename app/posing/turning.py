@@ -111,7 +111,7 @@ def _turned(
 
 
 def furthest(rotation: Array, axis: Array, angle: float, allowed: JointRange | None) -> float:
-    """Return how far a rotation can be turned about an axis on the way to an angle, inside its
+    """How far a rotation can be turned about an axis on the way to an angle, inside its
     limits.
     """
     if allowed is None or angle == 0.0:
@@ -130,7 +130,7 @@ def furthest(rotation: Array, axis: Array, angle: float, allowed: JointRange | N
 def _words(
     context: GestureContext, part: int, axis: Axis | None, R_after: Array, angle: float
 ) -> tuple[str, str, str]:
-    """Return what to show: the angle's value where one of a part's angles alone has changed, else
+    """What to show: the angle's value where one of a part's angles alone has changed, else
     the turn."""
     words = axis_labels(context.skeleton.body, context.skeleton.body.names[part])
     change = degrees_text(math.degrees(angle), sign=True)

@@ -148,7 +148,7 @@ class Hinge:
         return fixed, 2 * arms
 
     def distance(self, bend: float) -> float:
-        """Return the distance from the upper joint to the far end, metres."""
+        """The distance from the upper joint to the far end, metres."""
         fixed, arms = self._lever
         return math.sqrt(max(fixed + arms * math.cos(bend), 0.0))
 
@@ -280,7 +280,7 @@ class TwoBones:
         return Reached(rotations, self.centre, hinge.farthest_m)
 
     def _eased(self, bend: float, drawn_m: float) -> float:
-        """Return where the pose is bent the wrong way, it stays so at first: nothing jumps."""
+        """Where the pose is bent the wrong way, it stays so at first: nothing jumps."""
         hinge = self.hinge
         if hinge.bend * hinge.side >= 0:
             return bend
@@ -305,7 +305,7 @@ class TwoBones:
 
     @property
     def swing(self) -> Swing:
-        """Return how the limb as a whole is swung."""
+        """How the limb as a whole is swung."""
         start = unit(self.end - self.centre)
         rest = self.context.skeleton.joints[self.lower] + self.tip
         resting = self.context.resting_direction(self.upper, rest)

@@ -93,7 +93,7 @@ def _artist(
     fps: float,
     layers: SurfaceLayers | None,
 ) -> Draw:
-    """Return what draws the frames of a film; all that is common to them is found out before."""
+    """What draws the frames of a film; all that is common to them is found out before."""
     view, paint = film.view, film.paint
     frames = posed_frames(poses, film)
     if not frames:
@@ -144,7 +144,7 @@ def _artist(
 def _framing(
     studio: Studio, poses: KnownPoses, frames: tuple[int, ...], view: View, size: Size
 ) -> Framing:
-    """Return what shows the whole motion at one scale."""
+    """What shows the whole motion at one scale."""
     corners = _box_of_motion(studio, poses, frames)
     if view == "main" or view == "all":
         sizes = FourViewLayout.of(studio.camera, studio.height_of_four(size)).views

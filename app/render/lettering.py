@@ -26,7 +26,7 @@ def write(
 
 
 def written_width(words: str, height_px: float) -> int:
-    """Return how many pixels the words take."""
+    """How many pixels the words take."""
     (width, _), _ = cv2.getTextSize(words, FONT, height_px / LETTER_PX, _weight(height_px))
     return int(width)
 

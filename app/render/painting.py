@@ -35,7 +35,7 @@ class Form:
 
 @lru_cache(maxsize=4)
 def form_of(skeleton: Skeleton) -> Form:
-    """Return the form of a skeleton, the same one for the same skeleton."""
+    """The form of a skeleton, the same one for the same skeleton."""
     mesh = BodyMesh.of(skeleton)
     return Form(
         mesh,

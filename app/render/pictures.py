@@ -71,12 +71,12 @@ class FourViewLayout:
 
     @property
     def views(self) -> dict[ViewName, tuple[int, int]]:
-        """Return what the small ones show, from the top to the bottom, and their sizes."""
+        """What the small ones show, from the top to the bottom, and their sizes."""
         return dict(zip(VIEW_NAMES, self.small, strict=False))
 
     @property
     def width(self) -> int:
-        """Return the width of the whole picture."""
+        """The width of the whole picture."""
         return self.main[0] + (self.gap + self.small[0][0] if self.small else 0)
 
 

@@ -121,7 +121,7 @@ def ground_below(studio: Studio, poses: KnownPoses, frame: int) -> Ground:
 
 
 def _view(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[ViewCamera, Array]:
-    """Return what looks at the body's middle (3,), which comes with it."""
+    """What looks at the body's middle (3,), which comes with it."""
     level = studio.Rs["front"]
     points = posed_points(studio.skeleton, pose)
     centre = middle(points @ level.T) @ level

@@ -86,7 +86,7 @@ def body_lines(
 
 
 def _facing(mesh: BodyMesh, p_eye: Array, view: ViewCamera) -> Mask:
-    """Return which faces (F,) face the camera."""
+    """Which faces (F,) face the camera."""
     normals = face_normals(p_eye, mesh.faces)
     rays = view.rays(p_eye[mesh.faces[:, 0]])
     facing: Mask = (normals * rays).sum(axis=1) < 0.0
@@ -124,7 +124,7 @@ def _cut(
 
 
 def _is_behind(p_eye: Array, view: ViewCamera, seen: Raster) -> Mask:
-    """Return which points (M, 3) lie behind the surface seen there, one pixel of tolerance
+    """Which points (M, 3) lie behind the surface seen there, one pixel of tolerance
     included.
     """
     depth = cv2.dilate(np.minimum(seen.depth, 1e6), np.ones((3, 3), np.uint8))
@@ -157,7 +157,7 @@ def paint_dots(canvas: Canvas, uv: Array, radius: float) -> None:
 
 
 def _coverage(canvas: Canvas, uv: Array, thickness: int) -> Coverage:
-    """Return how much of every pixel (H, W) the pieces (N, 2, 2) cover, 0 to 255."""
+    """How much of every pixel (H, W) the pieces (N, 2, 2) cover, 0 to 255."""
     mask = np.zeros(canvas.shape[:2], np.uint8)
     pieces = list(np.rint(uv * 2**SHIFT).astype(np.int32))
     cv2.polylines(mask, pieces, False, 255, thickness, cv2.LINE_AA, SHIFT)

@@ -105,7 +105,7 @@ def background(
     frame: int,
     pose: Pose | None,
 ) -> Picture | None:
-    """Return what the camera sees behind the body: of observed surfaces the tinted one; None where
+    """What the camera sees behind the body: of observed surfaces the tinted one; None where
     the frame is lost.
     """
     if layers is None or layers.is_clay:

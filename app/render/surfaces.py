@@ -119,7 +119,7 @@ class SurfaceLayers:
 
     @property
     def is_clay(self) -> bool:
-        """Return whether its picture by the camera is the video's own."""
+        """Whether its picture by the camera is the video's own."""
         return self._tint == "clay"
 
     def at(self, frame: int, pose: Pose | None) -> SurfaceLayer | None:

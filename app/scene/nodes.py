@@ -167,12 +167,12 @@ def add_lights(scene: SceneApi, name: str) -> None:
 
 
 def light(colours: Array | Colour) -> Array:
-    """Return the colours of lines over a picture."""
+    """The colours of lines over a picture."""
     return toward_white(colours, 0.45)
 
 
 def dark(colours: Array | Colour) -> Array:
-    """Return the colours of lines around an opaque solid."""
+    """The colours of lines around an opaque solid."""
     return np.asarray(colours) * 0.42
 
 

@@ -146,7 +146,7 @@ def _linear(colours: NDArray[np.uint8]) -> NDArray[np.float32]:
 
 
 def reading(doc: Session) -> tuple[Any, ...]:
-    """Return what decides where the surfaces lie, and what cameras say of them."""
+    """What decides where the surfaces lie, and what cameras say of them."""
     surface = surface_of(doc)
     where = (surface.units, surface.up, surface.p_camera_surface)
     return (*where, surface.fps, surface.cameras, doc.view.camera)
@@ -218,7 +218,7 @@ class SurfaceViews:
             return self._rims[1]
 
     def is_rated(self, edit: EditorState, frame: int) -> bool:
-        """Return whether it is known how well cameras agree; SurfaceError as above."""
+        """Whether it is known how well cameras agree; SurfaceError as above."""
         doc = edit.settled
         if surface_of(doc).cameras is not None:
             return True
@@ -226,7 +226,7 @@ class SurfaceViews:
             return self.video(doc).steps.shape(frame).consistency is not None
 
     def unusable(self) -> str:
-        """Return which steps cannot be used; takes a while, and reading goes on meanwhile."""
+        """Which steps cannot be used; takes a while, and reading goes on meanwhile."""
         return describe_unusable(self._steps.unusable())
 
     def close(self) -> None:

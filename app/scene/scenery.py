@@ -26,7 +26,7 @@ class SceneryMaker:
         self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
     def of(self, edit: EditorState, trail: Any = None) -> Scenery:
-        """Return what is to be seen at the present frame; `trail` is the section of that name."""
+        """What is to be seen at the present frame; `trail` is the section of that name."""
         looks, settled = edit.display, edit.settled
         around = (settled.subject.body, settled.subject.keyframes, edit.frame, looks, edit.results)
         pose = shown_pose(edit).pose
@@ -61,7 +61,7 @@ def _transforms(edit: EditorState, pose: Any) -> Array:
 
 
 def _where(edit: EditorState) -> tuple[Any, ...]:
-    """Return what the small views depend on."""
+    """What the small views depend on."""
     path = edit.doc.camera_path
     return (edit.doc.world.up_world, path, None if path is None else edit.frame)
 
@@ -87,7 +87,7 @@ def _before(edit: EditorState) -> tuple[Body, Array] | None:
 
 
 def _trail(section: Any, frame: int) -> Trail | None:
-    """Return the trail from the section that the page receives: it has been computed already."""
+    """The trail from the section that the page receives: it has been computed already."""
     if section is None:
         return None
     frames = [point[0] for point in section["points"]]

@@ -75,7 +75,7 @@ class Portless:
         await self._handle(_Wire(websocket, role))
 
     def role_of(self, client: ClientHandle) -> Role | None:
-        """Return which view a client is; None once it has gone."""
+        """Which view a client is; None once it has gone."""
         wire: Any = self._wire._live_connections.get(client.client_id)
         return None if wire is None else wire.role
 

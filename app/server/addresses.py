@@ -20,7 +20,7 @@ _ELSEWHERE = {
 
 
 def is_wildcard(host: str) -> bool:
-    """Return whether a server at this host listens at every address of the computer."""
+    """Whether a server at this host listens at every address of the computer."""
     found = parse(host)
     return found is not None and found.is_unspecified
 
@@ -40,7 +40,7 @@ def host_in_url(host: str) -> str:
 
 
 def reachable(host: str) -> list[str]:
-    """Return what to write instead of the host that a server listens at: every address and name
+    """What to write instead of the host that a server listens at: every address and name
     known to lead there, this computer's own first.
 
     A wildcard stands for all addresses. Python's library cannot list those: these are the ones that

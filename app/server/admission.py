@@ -118,11 +118,11 @@ class Browsers:
         return given
 
     def has_cookie(self, cookie: str) -> bool:
-        """Return whether a browser with this cookie was let in."""
+        """Whether a browser with this cookie was let in."""
         return self._of_cookie(cookie) is not None
 
     def has_key(self, cookie: str, key: str) -> bool:
-        """Return whether the browser with this cookie was given this key."""
+        """Whether the browser with this cookie was given this key."""
         browser = self._of_cookie(cookie)
         return browser is not None and _is_same(browser.key_sha256, _digest(key))
 
@@ -208,7 +208,7 @@ class OneTimeTokens:
         return token
 
     def spend(self, given: str) -> bool:
-        """Return whether it was valid; from then on it is not, at no server of the workspace."""
+        """Whether it was valid; from then on it is not, at no server of the workspace."""
         digest, present = _digest(given).encode(), self._recent(self._present())
         left = [t for t in present if not hmac.compare_digest(digest, t.sha256.encode())]
         self._valid = tuple(left)

@@ -82,7 +82,7 @@ class Exports(LongWork):
 
 
 def missing_here() -> dict[str, str]:
-    """Return what cannot be exported by this installation, with the command that mends it."""
+    """What cannot be exported by this installation, with the command that mends it."""
     missing = {
         name: f"pip install 'keypose[{name}]'"
         for name, kind in FORMATS.items()

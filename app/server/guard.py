@@ -163,7 +163,7 @@ class Guard:
         return host
 
     def _is_where_it_arrived(self, host: str, scope: Scope) -> bool:
-        """Return whether the host is the address of ours at which the connection came in. A page of
+        """Whether the host is the address of ours at which the connection came in. A page of
         another server that has its name lead here still says that name."""
         address, port = _split(host)
         arrived = (scope.get("server") or ("", 0))[0]
@@ -259,7 +259,7 @@ def _check_origin(
 
 
 def _is_opened(headers: dict[str, list[str]]) -> bool:
-    """Return whether a person opened the address as a page, not within one."""
+    """Whether a person opened the address as a page, not within one."""
     return (headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest")) == (
         ["navigate"],
         ["document"],
@@ -267,7 +267,7 @@ def _is_opened(headers: dict[str, list[str]]) -> bool:
 
 
 def _is_speculative(headers: dict[str, list[str]]) -> bool:
-    """Return whether the browser only prepares for a page that may be opened."""
+    """Whether the browser only prepares for a page that may be opened."""
     purposes = (*headers.get("sec-purpose", []), *headers.get("purpose", []))
     return any("prefetch" in purpose for purpose in purposes)
 

@@ -44,7 +44,7 @@ def headers_for(kind: Kind, host: str = "") -> dict[str, str]:
 
 
 async def read_body(request: Request, most: int, too_large: str) -> bytes:
-    """Return what is sent; FormatError with the sentence `too_large` beyond `most` bytes."""
+    """What is sent; FormatError with the sentence `too_large` beyond `most` bytes."""
     content = bytearray()
     async for chunk in request.stream():
         content += chunk

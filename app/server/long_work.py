@@ -37,7 +37,7 @@ class LongWork:
         self._beginning = asyncio.Lock()
 
     def routes(self) -> list[Route]:
-        """Return where the page asks for all this."""
+        """Where the page asks for all this."""
         place, one = f"/{self._what}s", f"/{self._what}s/{{id}}"
         return [
             Route(place, self._new, methods=["POST"]),
@@ -50,7 +50,7 @@ class LongWork:
         raise NotImplementedError
 
     def described(self, state: WorkState) -> dict[str, Any]:
-        """Return what the page is told of its state."""
+        """What the page is told of its state."""
         raise NotImplementedError
 
     async def close(self) -> None:

@@ -76,7 +76,7 @@ class Outputs:
         self._store, self._surfaces = store, surfaces
 
     def routes(self) -> list[Route]:
-        """Return where pictures and motion are to be had."""
+        """Where pictures and motion are to be had."""
         return [
             Route("/picture.png", self._picture),
             Route("/person/{frame:int}.png", self._person),

@@ -26,7 +26,7 @@ class LibraryRoutes:
         self._decoding = asyncio.Semaphore(MOST_AT_A_TIME)
 
     def routes(self) -> list[Route]:
-        """Return where the page asks for all this."""
+        """Where the page asks for all this."""
         return [
             Route("/library", self._contents),
             Route("/folder", self._folder),

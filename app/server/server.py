@@ -235,7 +235,7 @@ async def _send(websocket: WebSocket, tab: Tab) -> None:
 
 
 async def _news(tab: Tab) -> list[dict[str, Any]]:
-    """Return what is to be sent to a tab, if only that somebody is still here."""
+    """What is to be sent to a tab, if only that somebody is still here."""
     try:
         return await asyncio.wait_for(tab.next(), SECONDS_BETWEEN_BEATS)
     except TimeoutError:

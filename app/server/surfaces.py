@@ -213,7 +213,7 @@ class Surfaces:
 
 
 def _key(edit: EditorState) -> tuple[Any, ...]:
-    """Return what a surface's looks depend on."""
+    """What a surface's looks depend on."""
     tint, doc = edit.display.tint, edit.settled
     key: tuple[Any, ...] = (*reading(doc), edit.frame, tint, doc.model_keyframe is None)
     if tint not in ("contact", "distance"):

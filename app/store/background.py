@@ -202,7 +202,7 @@ def _of_file(doc: Session, folder: Path) -> _Question:
 
 
 def _of_segment(doc: Session, span: Span | None, drafted: _Read) -> _Question:
-    """Return what decides where a network looked in a segment."""
+    """What decides where a network looked in a segment."""
     if span is None:
         return _Question(("segment",), lambda: None)
     ends = [keyframe for keyframe in doc.subject.keyframes if keyframe.frame in span]

@@ -48,7 +48,7 @@ def guide_after(guide: Guide, action: Editing, body: Body) -> Guide:
 
 
 def _is_under_way(stroke: str, action: Editing) -> bool:
-    """Return whether this gesture is still under way after the action."""
+    """Whether this gesture is still under way after the action."""
     if isinstance(action, EndStroke | CancelStroke):
         return action.stroke != stroke
     return isinstance(action, Look) and not isinstance(action, Go)

@@ -218,7 +218,7 @@ class Runner:
             self._notify(self, False)
 
     def _outdated(self, edit: EditorState) -> set[Span]:
-        """Return what has no whole result for the keyframes as they are."""
+        """What has no whole result for the keyframes as they are."""
         known = self.results.wanted(edit.settled) if self.results is not None else ()
         return {(first, last) for first, last, _ in known}
 
@@ -294,7 +294,7 @@ class Runner:
         self._notify(self, False)
 
     def _is_tracking(self, wanted: Sequence[Wanted]) -> bool:
-        """Return whether this is what is being tracked already."""
+        """Whether this is what is being tracked already."""
         at_work = self.job.state == "running" and self.job.kind == "track"
         return at_work and self._track is not None and self._track.keys == {k for *_, k in wanted}
 

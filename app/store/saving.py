@@ -91,7 +91,7 @@ class WriteLock:
 
     @property
     def is_held(self) -> bool:
-        """Return whether this program alone writes there."""
+        """Whether this program alone writes there."""
         return self._lock is not None
 
     def require_writable(self) -> None:
@@ -142,7 +142,7 @@ class Saver:
             self._report(Saved("saving", self._at_s))
 
     def _try_again(self) -> bool:
-        """Return whether there was something to try, and nothing newer is being written."""
+        """Whether there was something to try, and nothing newer is being written."""
         if self._failed is None or self._next is not None or not self.is_idle:
             return False
         self._begin(self._failed[0])
@@ -171,7 +171,7 @@ class Saver:
 
     @property
     def is_idle(self) -> bool:
-        """Return whether nothing is being written."""
+        """Whether nothing is being written."""
         return self._task is None or self._task.done()
 
     async def wait(self) -> None:
@@ -229,7 +229,7 @@ class SessionWriter:
             self._edit_log = EditLog(self._path, edit, opened.journal)
 
     def log(self, edit: EditorState, received: Received) -> bool:
-        """Return whether there is an edit to write."""
+        """Whether there is an edit to write."""
         return self._edit_log is not None and self._edit_log.note(edit, received)
 
     def when_logged(self, call: Callable[[], None]) -> None:
@@ -241,7 +241,7 @@ class SessionWriter:
 
     @property
     def is_logged(self) -> bool:
-        """Return whether all edits are on the disk, if only in the journal."""
+        """Whether all edits are on the disk, if only in the journal."""
         return self._edit_log is not None and self._edit_log.is_written()
 
     def save(self) -> None:

@@ -37,7 +37,7 @@ class KnownKeypoints:
     of_file: Keypoints | None = None
 
     def at(self, frame: int) -> Keypoints | None:
-        """Return the keypoints of one frame: what tracking uses goes first."""
+        """The keypoints of one frame: what tracking uses goes first."""
         for known in (self.of_segment, self.of_file):
             if known is not None and known.first_frame <= frame <= known.last_frame:
                 return known.over(frame, frame)
@@ -144,13 +144,13 @@ class AppState:
 
     @property
     def editing(self) -> EditorState:
-        """Return what is edited while something is open."""
+        """What is edited while something is open."""
         assert self.edit is not None
         return self.edit
 
     @cached_property
     def displayed(self) -> AppState:
-        """Return the state with what is only shown: the motion as far as it is tracked ahead, sizes
+        """The state with what is only shown: the motion as far as it is tracked ahead, sizes
         that are not applied yet, or what stood before the last fit while somebody looks back at it.
         """
         edit, preview = self.edit, self.preview

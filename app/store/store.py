@@ -113,7 +113,7 @@ class Store:
 
     @property
     def name(self) -> str:
-        """Return what its files are called, without what no file can be called."""
+        """What its files are called, without what no file can be called."""
         if self.opened is None or self._app_state.edit is None:
             return "keypose"
         title = self._app_state.edit.doc.title
@@ -377,7 +377,7 @@ class Store:
     # --- files from elsewhere
 
     def import_target(self) -> ImportTarget:
-        """Return what a file would be imported into now; Refused where nothing can be."""
+        """What a file would be imported into now; Refused where nothing can be."""
         edit, opened = self._app_state.edit, self.opened
         if edit is None or opened is None:
             raise ActionRefused("Open a video first.")

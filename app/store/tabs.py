@@ -75,14 +75,14 @@ class Clients:
         return Received(settled, self._revision())
 
     def _revision(self) -> str:
-        """Return the revision. A tab's own edits name the tab: they do not surprise it."""
+        """The revision. A tab's own edits name the tab: they do not surprise it."""
         if self._client:
             return f"{self._client}:{self._last[self._client]}"
         return secrets.token_hex(8)
 
 
 def split_envelope(message: Any) -> tuple[str, int, Any]:
-    """Return who sends a message, its number, and what is left of it. Without a number nothing is
+    """Who sends a message, its number, and what is left of it. Without a number nothing is
     sent about it, and without a client it is not remembered.
     """
     if not isinstance(message, dict):
@@ -134,7 +134,7 @@ class Tab:
         self._news.set()
 
     def _is_behind(self) -> bool:
-        """Return whether more is done, or on disk, than the page knows."""
+        """Whether more is done, or on disk, than the page knows."""
         news = self._dones or self._acks
         return bool(news) or (self._done, self._ack) != self._reported
 

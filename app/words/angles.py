@@ -6,7 +6,7 @@ from keypose.tracker.body.joint_angles import Angle
 
 
 def angle_words(angle: Angle) -> tuple[str, str]:
-    """Return what is positive and what is negative, such as "internal rotation"."""
+    """What is positive and what is negative, such as "internal rotation"."""
     return _WORDS.get(angle.name, angle.name.replace("_", " ")), _WORDS.get(
         angle.other, angle.other.replace("_", " ")
     )

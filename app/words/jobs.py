@@ -37,7 +37,7 @@ def spans_text(spans: Sequence[Span]) -> str:
 
 
 def closing_words(state: Ending, found: Sequence[SegmentResult | None]) -> str:
-    """Return what is there of the segments that were to be tracked, now that it is over."""
+    """What is there of the segments that were to be tracked, now that it is over."""
     tracks = [track for track in found if track is not None]
     kinds = [track.kind for track in tracks]
     if state == "cancelled" and any(track.missing for track in tracks):

@@ -87,7 +87,7 @@ def reason_with_frames(verdict: Verdict, capital: bool = False) -> str:
 
 
 def add_keyframe(frame: int) -> str:
-    """Return what helps at a frame."""
+    """What helps at a frame."""
     return f"Add a keyframe at {frame}"
 
 
@@ -114,7 +114,7 @@ def _are(first: int, last: int) -> str:
 
 
 def _is_all(frames: tuple[int, int], first: int, last: int) -> bool:
-    """Return whether frames are all that lie between the keyframes."""
+    """Whether frames are all that lie between the keyframes."""
     return frames[0] <= first + 1 and frames[1] >= last - 1
 
 
@@ -166,7 +166,7 @@ def detail_of(found: Problem) -> str:
 
 
 def todo_of(found: Problem) -> str:
-    """Return what to do at its frame."""
+    """What to do at its frame."""
     return add_keyframe(found.frame) if found.remedy == "key" else f"Go to {found.frame}"
 
 
@@ -211,7 +211,7 @@ def _length(found: Problem) -> int:
 
 
 def _verdict(found: Problem) -> Verdict:
-    """Return what verdicts have words for."""
+    """What verdicts have words for."""
     return Verdict.model_construct(
         kind=found.kind, cause=found.cause, part=found.part, frames=found.frames, go=found.frame,
         text=found.text,

@@ -224,7 +224,7 @@ def _angles_deg(joint: Joint, rotations: Array) -> Array:
 
 
 def _near(joint: Joint, angles: Array) -> tuple[float, Array]:
-    """Return how far angles (N, 3) are from the usual ones in all, and the angles, by such whole
+    """How far angles (N, 3) are from the usual ones in all, and the angles, by such whole
     turns over all frames as bring their middle, the pelvis' first ones, nearest to these, degrees.
     """
     usual = np.array(joint.usual_deg)
@@ -234,7 +234,7 @@ def _near(joint: Joint, angles: Array) -> tuple[float, Array]:
 
 
 def _stands_as_a_person(body: Body) -> bool:
-    """Return whether left is at +x and limbs hang along +y at rest, as in the presets."""
+    """Whether left is at +x and limbs hang along +y at rest, as in the presets."""
     limbs: Sequence[tuple[str, str]] = (
         ("thigh", "shin"),
         ("shin", "foot"),

@@ -54,7 +54,7 @@ class TwistLimits:
         return cls(ranges[:, 0], ranges[:, 1], rest.reshape(-1, 3, 3))
 
     def one(self, k: int) -> TwistLimits:
-        """Return the limit of the part in place k alone."""
+        """The limit of the part in place k alone."""
         return TwistLimits(self.low[k], self.high[k], self.R_rest[k])
 
     def twist(self, Rs_parent_part: Array) -> Array:
@@ -95,7 +95,7 @@ class TwistLimits:
         return math.remainder(2 * math.atan2(-p_off, q_off), math.tau)
 
     def widened(self, excess: Array) -> TwistLimits:
-        """Return limits with room for twists that lie outside by so much (..., signed)."""
+        """Limits with room for twists that lie outside by so much (..., signed)."""
         low, high = self.low + np.minimum(excess, 0.0), self.high + np.maximum(excess, 0.0)
         return TwistLimits(low, high, self.R_rest)
 

@@ -12,12 +12,12 @@ _ARM, _LEG = {"clavicle", "upper_arm", "forearm", "hand"}, {"thigh", "shin", "fo
 
 
 def kind_of(name: str) -> str:
-    """Return a part's name without its side: "forearm"."""
+    """A part's name without its side: "forearm"."""
     return "_".join(word for word in name.split("_") if word not in SIDES)
 
 
 def limb_groups(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Return the groups of parts that are looked at together, each with its name.
+    """The groups of parts that are looked at together, each with its name.
 
     Of a person trunk, right_arm, left_arm, right_leg and left_leg; of another body the root and
     each limb, by the words that its parts' names share.
@@ -29,7 +29,7 @@ def limb_groups(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
 
 
 def chains(skeleton: Skeleton) -> list[tuple[str, ...]]:
-    """Return the unbranched chains a body is made of, without the root, in the parts' order."""
+    """The unbranched chains a body is made of, without the root, in the parts' order."""
     names, limbs = skeleton.body.names, skeleton.limbs
     order = dict.fromkeys(limbs[1:].tolist())
     return [tuple(names[i] for i in np.flatnonzero(limbs == limb)) for limb in order]
@@ -46,7 +46,7 @@ def _persons(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
 
 
 def _shared_name(group: tuple[str, ...]) -> str:
-    """Return the words that all names share, else the first and the last name."""
+    """The words that all names share, else the first and the last name."""
     if len(group) == 1:
         return group[0]
     words = [name.split("_") for name in group]

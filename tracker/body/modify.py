@@ -47,7 +47,7 @@ SIDES = ("left", "right")
 
 
 def can_have_clavicles(body: Body) -> bool:
-    """Return whether both upper arms hang on one chest, and none is there yet."""
+    """Whether both upper arms hang on one chest, and none is there yet."""
     arms = [_part(body, f"{side}_upper_arm") for side in SIDES]
     chests = {arm.parent for arm in arms if arm is not None}
     names = {f"{side}_clavicle" for side in SIDES} & set(body.names)
@@ -55,7 +55,7 @@ def can_have_clavicles(body: Body) -> bool:
 
 
 def has_clavicles(body: Body) -> bool:
-    """Return whether both upper arms hang on a clavicle."""
+    """Whether both upper arms hang on a clavicle."""
     arms = [(side, _part(body, f"{side}_upper_arm")) for side in SIDES]
     return all(arm is not None and arm.parent == f"{side}_clavicle" for side, arm in arms)
 
@@ -214,7 +214,7 @@ def unscaled(body: Body, others: Iterable[Body]) -> Body | None:
 
 
 def _is_alike(one: Any, other: Any) -> bool:
-    """Return whether all is equal but for rounding."""
+    """Whether all is equal but for rounding."""
     if isinstance(one, float) and isinstance(other, float):
         return math.isclose(one, other, rel_tol=ROUNDING, abs_tol=ROUNDING)
     if isinstance(one, dict) and isinstance(other, dict):

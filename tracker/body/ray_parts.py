@@ -15,14 +15,14 @@ from keypose.tracker.geometry.rotations import Array, apply_transform
 
 @lru_cache(maxsize=512)
 def mesh_of(shape: Shape) -> Mesh:
-    """Return a shape's mesh, made once."""
+    """A shape's mesh, made once."""
     return shape.mesh()
 
 
 def parts_on_ray(
     skeleton: Skeleton, pose: Pose, origin: Array, direction: Array, start: float = 0.0
 ) -> tuple[str, ...]:
-    """Return the names of the parts on a ray, in the order in which it first enters them.
+    """The names of the parts on a ray, in the order in which it first enters them.
 
     origin, direction: (3,) in the camera frame.  start: how far along it the ray begins.
     """

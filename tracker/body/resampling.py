@@ -69,7 +69,7 @@ def low_pass_kernel(cutoff_hz: float, rate: float) -> Array:
 
 
 def least_frames(cutoff_hz: float, rate: float) -> int:
-    """Return how many frames a motion must have to be filtered: a period of the cut-off."""
+    """How many frames a motion must have to be filtered: a period of the cut-off."""
     return max(int(np.ceil(rate / cutoff_hz)), 3) + 1
 
 

@@ -42,7 +42,7 @@ class Edge:
 
 
 def agreed(turns: Sequence[Turn], edges: Sequence[Edge]) -> list[Turn]:
-    """Return the anchors' turns, from the world, that agree best with all edges; the first stays.
+    """The anchors' turns, from the world, that agree best with all edges; the first stays.
 
     turns: where they begin.
     """

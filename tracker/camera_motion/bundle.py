@@ -62,9 +62,8 @@ class Bundle:
 
 
 def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
-    """Return it after Levenberg and Marquardt's steps, and the depths' standard deviations (P,)
-    with the pictures taken as known.
-    """
+    """The bundle after steps of Levenberg and Marquardt, and the standard deviations of its depths
+    (P,), the cameras taken as known."""
     damping, cost = 1e-4, _cost(bundle, _misses(bundle)[1])
     equations = _Equations.of(bundle)
     for _ in range(steps):

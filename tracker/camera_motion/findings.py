@@ -59,7 +59,7 @@ def contrast_of(picture: NDArray[np.uint8]) -> float:
 
 
 def are_faded(contrasts: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which pictures (N,) are faint, or fade, by their contrasts; NaN where one is not
+    """Which pictures (N,) are faint, or fade, by their contrasts; NaN where one is not
     known. What moves in such a picture is noise and compression."""
     if not np.isfinite(contrasts).any():
         return np.zeros(len(contrasts), np.bool_)
@@ -74,7 +74,7 @@ def are_faded(contrasts: NDArray[np.float64]) -> NDArray[np.bool_]:
 def scenes(
     anchor: NDArray[np.int64], known: NDArray[np.bool_], loose: Sequence[int], cuts: Sequence[int]
 ) -> tuple[NDArray[np.bool_], list[int], tuple[int, ...]]:
-    """Return which frames (N,) are known, and the cuts, without scenes of too few frames, and the
+    """Which frames (N,) are known, and the cuts, without scenes of too few frames, and the
     first frames of what hangs together.
 
     anchor (N,): of each frame, of which the loose ones are tied to nothing before them.

@@ -115,7 +115,7 @@ def _solved(lens: Lens, look: float, pair: Pair, log: float) -> Solved | None:
 
 
 def _least(logs: Array, costs: Array) -> tuple[float, float] | None:
-    """Return where a parabola through costs is least, and its standard deviation there."""
+    """Where a parabola through costs is least, and its standard deviation there."""
     curve, slope, _ = np.polyfit(logs - logs.mean(), costs, 2)
     if curve <= 0:
         return None

@@ -41,7 +41,7 @@ class Homes:
         self.patches.keep(now, len(self.map.views) - 1, ids, uv, self.follower.to_look(uv))
 
     def returned(self, T: Array, seen: Indices, usable: Mask | None) -> tuple[Indices, Array]:
-        """Return points that are in view again from T (4, 4), beside those `seen`, and where."""
+        """Points that are in view again from T (4, 4), beside those `seen`, and where."""
         ids = self._candidates(T, seen)
         uv = self.camera.project(self._ahead(T, ids))
         inside = self.follower.inside(self.follower.to_look(uv), 12.0)

@@ -69,7 +69,7 @@ class Landmarks:
     def register(
         self, chosen: NDArray[np.int64], picture: Grey, at: Array, warps: Array
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Return where chosen landmarks (K,) are in a picture (K, 2), and which were found.
+        """Where chosen landmarks (K,) are in a picture (K, 2), and which were found.
 
         at: (K, 2), where they are expected, pixels of this picture.  warps: (K, 2, 2), by which
         an offset in the home's picture becomes one in this.
@@ -86,7 +86,7 @@ class Landmarks:
 
 
 def tiles(picture: Grey, at: Array) -> tuple[Grey, Array]:
-    """Return the squares (K, side, side) of a picture about places (K, 2), and the places (K, 2)
+    """The squares (K, side, side) of a picture about places (K, 2), and the places (K, 2)
     of their first pixels.
     """
     padded = np.pad(picture, REACH + 1, mode="edge")

@@ -215,7 +215,7 @@ class Odometer:
         )
 
     def _holds(self, solved: Solved, found: NDArray[np.bool_]) -> bool:
-        """Return whether enough points agree, and tell the turn."""
+        """Whether enough points agree, and tell the turn."""
         visible = max(int(found.sum()), self._points.visible)
         if solved.agreeing < max(FEWEST_AGREE, SHARE_AGREE * visible):
             return False

@@ -153,7 +153,7 @@ class PointFollower:
     def refine(
         self, expected: Array, usable: Mask | None, halvings: int = 1
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Return where the anchor's points are (K, 2), and which (K,) were found.
+        """Where the anchor's points are (K, 2), and which (K,) were found.
 
         expected: (K, 2); also the places that are taken for points that were not found.
         usable: of the picture's pixels (H, W), those that may be background.  halvings: 0 where
@@ -190,7 +190,7 @@ class PointFollower:
         return anchor
 
     def could_pick(self, usable: Mask | None, fewest: int) -> bool:
-        """Return whether an anchor in the latest picture would have so many points."""
+        """Whether an anchor in the latest picture would have so many points."""
         return len(self._corners(self._open(usable), np.zeros((0, 2)))) >= fewest
 
     def use(self, anchor: Anchor, expected: Array) -> None:
@@ -230,7 +230,7 @@ class PointFollower:
         return (uv + 0.5) / self.scale - 0.5
 
     def in_empty_cells(self, uv: Array, taken: Array) -> NDArray[np.bool_]:
-        """Return which places (K, 2), one a cell, lie where none of the taken ones (M, 2) does."""
+        """Which places (K, 2), one a cell, lie where none of the taken ones (M, 2) does."""
         cells, held = self._cells(self.to_look(uv)), self._cells(self.to_look(taken))
         first = np.zeros(len(uv), bool)
         first[np.unique(cells, return_index=True)[1]] = True
@@ -249,11 +249,11 @@ class PointFollower:
         return np.asarray(row * columns + column)
 
     def usable_at(self, usable: Mask | None, at: Array) -> NDArray[np.bool_]:
-        """Return which places (K, 2) of the picture looked at may show background."""
+        """Which places (K, 2) of the picture looked at may show background."""
         return self._on(self._open(usable), self.to_film(at))
 
     def inside(self, at: Array, border: float) -> NDArray[np.bool_]:
-        """Return which places (K, 2) lie so far inside the picture looked at."""
+        """Which places (K, 2) lie so far inside the picture looked at."""
         assert self._now is not None
         height, width = self._now.shape
         far = (width - 1 - border, height - 1 - border)

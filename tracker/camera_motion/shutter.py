@@ -82,7 +82,7 @@ class Shutter:
         self.information = total / max(1.0, most)
 
     def found(self) -> float | None:
-        """Return the readout as a share of the time between frames, None where there is none."""
+        """The readout as a share of the time between frames, None where there is none."""
         sigma = np.sqrt(np.diag(np.linalg.inv(self.information)))
         size = np.abs(self.estimate)
         sure = (size > LEAST_SHARE) & (size > LEAST_SIGMAS * sigma)

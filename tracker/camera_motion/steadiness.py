@@ -55,7 +55,7 @@ class Steadiness:
         self._times[found] += 1
 
     def summary(self) -> Summary:
-        """Return what the anchor's points say."""
+        """What the anchor's points say."""
         long = self._times >= FEWEST_FRAMES
         if long.sum() < FEWEST_POINTS:
             return Summary(int(long.sum()), 0.0, 0.0, 0.0)

@@ -224,7 +224,7 @@ def _from_pairs(directions: Array, seen: Array, focal_px: float, start: Turn) ->
 
 
 def linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
-    """Return what is left to each point (K, 2), pixels, and how it follows the unknowns (K, 2, 4);
+    """What is left to each point (K, 2), pixels, and how it follows the unknowns (K, 2, 4);
     points behind the camera have neither.
     """
     p = directions @ turn.R.T

@@ -36,7 +36,7 @@ class TwoViews:
 
 
 def parallax(one: Array, other: Array, noise: float) -> float:
-    """Return the median distance of places (K, 2) in two pictures that no turn of the camera
+    """The median distance of places (K, 2) in two pictures that no turn of the camera
     explains, in standard deviations.
     """
     a, b = (np.concatenate([xy, np.ones((len(xy), 1))], axis=1) for xy in (one, other))

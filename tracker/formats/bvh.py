@@ -70,7 +70,7 @@ class _Tree:
         return bone in (0, self.rig.mover)
 
     def _end(self, bone: int) -> Array:
-        """Return where a bone without children ends, in its frame: at its farthest landmark, if
+        """Where a bone without children ends, in its frame: at its farthest landmark, if
         any.
         """
         marks = [k for k in range(len(self.rig)) if self.rig.parents[k] == bone]

@@ -119,7 +119,7 @@ def _line(T: Array, camera: Camera) -> str:
 
 
 def fields_of_view_deg(camera: Camera) -> tuple[float, float]:
-    """Return what the picture spans across and down, as if the principal point were its middle."""
+    """What the picture spans across and down, as if the principal point were its middle."""
     across, down = camera.width / 2 / camera.fx, camera.height / 2 / camera.fy
     return 2 * math.degrees(math.atan(across)), 2 * math.degrees(math.atan(down))
 

@@ -56,7 +56,7 @@ def single_words(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def end_site(part: Part) -> tuple[float, float, float]:
-    """Return where a part without children ends, in its own frame, metres: in its farthest landmark
+    """Where a part without children ends, in its own frame, metres: in its farthest landmark
     or, when it has none, in the end of its shape.
     """
     if part.landmarks:

@@ -47,7 +47,7 @@ class Table(NamedTuple):
 
 
 def is_table(heads: list[str]) -> bool:
-    """Return whether the first row of a CSV is that of DeepLabCut."""
+    """Whether the first row of a CSV is that of DeepLabCut."""
     return heads[0].strip() == "scorer"
 
 

@@ -219,7 +219,7 @@ def _zooms(recording: Recording) -> bool:
 
 
 def _facts(recording: Recording) -> dict[str, Any]:
-    """Return what the animation says of itself."""
+    """What the animation says of itself."""
     film = recording.film_frames[[0, -1]].round(4).tolist()
     facts: dict[str, Any] = {
         "first_frame": recording.frames[0], "frame_count": len(recording), "film_frames": film

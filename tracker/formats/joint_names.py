@@ -70,7 +70,7 @@ class Matched:
 
     @property
     def count(self) -> int:
-        """Return how much is known: not by the ends of parts, which every convention has alike."""
+        """How much is known: not by the ends of parts, which every convention has alike."""
         return sum(not ours.endswith("_end") for _, ours, _ in self.known)
 
     @property

@@ -101,7 +101,7 @@ def _unknown(file: str) -> FormatError:
 
 
 def is_table_of_keypoints(file: str, content: bytes) -> bool:
-    """Return whether a table is one of SLEAP or DeepLabCut; FormatError where it is none at all."""
+    """Whether a table is one of SLEAP or DeepLabCut; FormatError where it is none at all."""
     first = rows_of(file, decoded(content))[0]
     return deeplabcut.is_table(first) or sleap.is_table([head.strip() for head in first])
 
@@ -264,7 +264,7 @@ def _category_names(categories: Any) -> tuple[str, ...] | None:
 
 
 def _has_landmarks(data: Any) -> bool:
-    """Return whether these are landmarks rather than annotations."""
+    """Whether these are landmarks rather than annotations."""
     if isinstance(data, dict):
         return "annotations" not in data and any(key in data for key in ("frames", *_LANDMARKS))
     first = next((one for one in data if one), None) if isinstance(data, list) else None

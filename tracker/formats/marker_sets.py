@@ -49,7 +49,7 @@ _ORIGIN = (0.0, 0.0, 0.0)
 
 
 def places_of(skeleton: Skeleton, names: Sequence[str], file: str) -> tuple[BodyPoint, ...]:
-    """Return where on the body each named joint is; FormatError names the first one it does not
+    """Where on the body each named joint is; FormatError names the first one it does not
     have.
     """
     return tuple(_place(skeleton, name, file) for name in names)

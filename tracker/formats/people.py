@@ -39,7 +39,7 @@ class People:
 
     @property
     def most_at_once(self) -> int:
-        """Return how many there are in the frame that has the most."""
+        """How many there are in the frame that has the most."""
         shown = (sum(p not in (None, []) for p in persons) for persons in self.frames.values())
         return max(shown, default=0)
 
@@ -61,7 +61,7 @@ def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None)
 
 
 def person_numbers(file: str, uv: Array, confidence: Array) -> list[list[float]]:
-    """Return by frame the numbers of one person, u, v and confidence in turn, as `People` has them.
+    """By frame the numbers of one person, u, v and confidence in turn, as `People` has them.
 
     uv (N, L, 2), NaN where not found.  confidence (N, L), NaN where the file gives none: what a
     person labelled has a place and no score, and is seen.

@@ -119,7 +119,7 @@ class _Params(NamedTuple):
 
 
 def is_recovered(names: Iterable[str]) -> bool:
-    """Return whether arrays of these names are of such a network."""
+    """Whether arrays of these names are of such a network."""
     plain = {_apart(name)[-1] for name in names}
     return plain >= set(FIELDS) or plain >= {*WHAM, "pose_world"}
 
@@ -146,7 +146,7 @@ def read_recovered(file: str, arrays: Arrays) -> JointMotion:
 
 
 def _apart(name: str) -> tuple[str, str]:
-    """Return what an array is under, and its own name."""
+    """What an array is under, and its own name."""
     under, _, own = name.replace("/", ".").rpartition(".")
     return under, own
 

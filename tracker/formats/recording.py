@@ -155,7 +155,7 @@ class Recording:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Return how many motions were estimated: the highest rank there can be."""
+        """How many motions were estimated: the highest rank there can be."""
         return int(self.tracks.diagnostics.singular_values.shape[-1])
 
     @property
@@ -164,7 +164,7 @@ class Recording:
         return np.array(self.frames, dtype=float) if self.sampled_at is None else self.sampled_at
 
     def timecode_at(self, row: int) -> str | None:
-        """Return the timecode of the video's frame that is nearest to a pose."""
+        """The timecode of the video's frame that is nearest to a pose."""
         nearest = round(float(self.film_frames[row]))
         return None if self.timecode is None else self.timecode.at(nearest)
 
@@ -184,7 +184,7 @@ class Recording:
 
     @property
     def is_even(self) -> bool:
-        """Return whether the frames are evenly spaced, at `rate`, to a millisecond."""
+        """Whether the frames are evenly spaced, at `rate`, to a millisecond."""
         if self.rate is None:
             return False
         off = self.times_s - np.arange(len(self)) / self.rate
@@ -307,7 +307,7 @@ class Recording:
 
     @cached_property
     def foot_pins(self) -> tuple[Pin, ...]:
-        """Return the pins that hold feet, in the numbers of these frames."""
+        """The pins that hold feet, in the numbers of these frames."""
         feet = {part.name for part in self.skeleton.body.parts if sole_of(part)}
         film = self.film_frames
         found = []

@@ -94,7 +94,7 @@ def low_passed(recording: Recording, cutoff_hz: float) -> Recording:
 
 
 def moved_at_keyframes(recording: Recording, before: Recording) -> tuple[float, float]:
-    """Return how far a filter took joints (metres) and parts (radians) from keyframes, at most.
+    """How far a filter took joints (metres) and parts (radians) from keyframes, at most.
 
     `before` is the recording that `low_passed` was given.
     """

@@ -28,7 +28,7 @@ UNTRACKED: Final = "untracked"
 
 
 def is_analysis(root: Group) -> bool:
-    """Return whether an HDF5 file is SLEAP's analysis, rather than somebody else's."""
+    """Whether an HDF5 file is SLEAP's analysis, rather than somebody else's."""
     return root.has("tracks", "node_names")
 
 
@@ -73,7 +73,7 @@ def _ordered(root: Group, name: str, axes: tuple[str, ...]) -> NDArray[np.float6
 
 
 def is_table(heads: list[str]) -> bool:
-    """Return whether the heads of a CSV are those of SLEAP."""
+    """Whether the heads of a CSV are those of SLEAP."""
     return FRAME in heads and any(head.endswith(".x") for head in heads)
 
 

@@ -90,7 +90,7 @@ def usd(
 
 
 def _facts(recording: Recording, rig: Rig) -> dict[str, Any]:
-    """Return what the file says of itself."""
+    """What the file says of itself."""
     facts: dict[str, Any] = {"generator": "Keypose", "rig": rig.name}
     if recording.filter_hz is not None:
         facts["low_pass_filter_hz"] = recording.filter_hz

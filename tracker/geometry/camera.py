@@ -95,7 +95,7 @@ class Camera(BaseModel):
 
     @property
     def usual_spread(self) -> float:
-        """Return by what share distances change, at most, with one of the usual lenses instead of
+        """By what share distances change, at most, with one of the usual lenses instead of
         this one: what is seen as large is farther away by as much as the focal length is longer.
         """
         longer = max(self.width / self.fx, self.height / self.fy) / 2
@@ -129,7 +129,7 @@ class Camera(BaseModel):
         return xy * (self.fx, self.fy) + (self.cx, self.cy)
 
     def ray_to(self, p_camera: Array) -> tuple[Array, Array]:
-        """Return where the line of sight to a point (3,) begins, and its unit direction (3,)."""
+        """Where the line of sight to a point (3,) begins, and its unit direction (3,)."""
         if self.telephoto_distance_m is not None:
             return np.array([p_camera[0], p_camera[1], 0.0]), np.array([0.0, 0.0, 1.0])
         return np.zeros(3), p_camera / np.sqrt(p_camera @ p_camera)
@@ -170,7 +170,7 @@ def _rectifying(
 
 
 def _distorted(xy: Array, coefficients: tuple[float, ...]) -> Array:
-    """Return where the lens shows the ideal direction (..., 2), both as x/z, y/z."""
+    """Where the lens shows the ideal direction (..., 2), both as x/z, y/z."""
     k1, k2, p1, p2, k3 = coefficients
     if not any(coefficients):
         return xy

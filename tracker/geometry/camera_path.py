@@ -58,12 +58,12 @@ class CameraPath:
 
     @property
     def moves(self) -> bool:
-        """Return whether the camera is elsewhere at any frame."""
+        """Whether the camera is elsewhere at any frame."""
         return bool(self.Ts_camera_world[:, :3, 3].any())
 
     @property
     def zooms(self) -> bool:
-        """Return whether the focal length changes."""
+        """Whether the focal length changes."""
         return bool((self.zoom != 1.0).any())
 
     def between(self, first: int, last: int) -> CameraPath:

@@ -79,7 +79,7 @@ class SteadyCamera:
         return T
 
     def covers(self, frame: int) -> bool:
-        """Return whether its picture of a frame shows nothing beyond the film's."""
+        """Whether its picture of a frame shows nothing beyond the film's."""
         turned = (self.Rs_steady_camera[frame] != np.eye(3)).any()
         return not turned and bool(self.zoom[frame] <= 1)
 

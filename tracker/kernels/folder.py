@@ -52,7 +52,7 @@ def loop_folder(version: str, chosen: str = "") -> LoopFolder:
 
 
 def _is_own(folder: Path) -> bool:
-    """Return whether this user alone can write to it; as the system says where it is not POSIX."""
+    """Whether this user alone can write to it; as the system says where it is not POSIX."""
     facts = folder.lstat()
     if os.name != "posix":
         return stat.S_ISDIR(facts.st_mode)
@@ -61,7 +61,7 @@ def _is_own(folder: Path) -> bool:
 
 
 def _is_guarded(folder: Path) -> bool:
-    """Return whether what this user has in a folder cannot be exchanged by others."""
+    """Whether what this user has in a folder cannot be exchanged by others."""
     if os.name != "posix":
         return True
     facts = folder.stat()

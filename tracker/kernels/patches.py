@@ -109,7 +109,7 @@ def _sees(
     slack_px: float,
     least_cosine: float,
 ) -> bool:
-    """Return whether a place turns to the view, lies in its picture, and nothing is before it."""
+    """Whether a place turns to the view, lies in its picture, and nothing is before it."""
     x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
     y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
     z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]

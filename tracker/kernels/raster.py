@@ -106,7 +106,7 @@ def _fill_triangle(
 
 @compiled
 def _span(a: Array, b: Array, c: Array, row: float) -> tuple[float, float]:
-    """Return where a horizontal line enters and leaves a triangle; (inf, −inf) for a miss."""
+    """Where a horizontal line enters and leaves a triangle; (inf, −inf) for a miss."""
     left, right = np.inf, -np.inf
     for start, end in ((a, b), (b, c), (c, a)):
         low, high = min(start[1], end[1]), max(start[1], end[1])

@@ -118,7 +118,7 @@ def _sums(
 
 @compiled
 def _axis(place: Array) -> tuple[float, float]:
-    """Return where the template's x axis points, as long as one of its pixels."""
+    """Where the template's x axis points, as long as one of its pixels."""
     scale = math.exp(place[3])
     return scale * math.cos(place[2]), scale * math.sin(place[2])
 

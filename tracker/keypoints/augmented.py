@@ -105,7 +105,7 @@ class AugmentedNetwork:
 
 
 def augmented_fingerprint(model: Model) -> str:
-    """Return what the network would have as `Augmented.fingerprint`, which is not read for it."""
+    """What the network would have as `Augmented.fingerprint`, which is not read for it."""
     return _marked(fingerprint_of(model))
 
 

@@ -129,7 +129,7 @@ class BlazePose:
 
 
 def fingerprint_of(model: Model) -> str:
-    """Return what a network of either kind would have as `fingerprint`, with nothing read."""
+    """What a network of either kind would have as `fingerprint`, with nothing read."""
     return f"{model.sha256[:16]}-{runtime_name(model.path.suffix)}"
 
 

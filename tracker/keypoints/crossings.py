@@ -64,7 +64,7 @@ def person_changes(
 
 
 def _are_apart(before: Array, again: Rows) -> bool:
-    """Return whether a body that is followed again is elsewhere in its newest frame."""
+    """Whether a body that is followed again is elsewhere in its newest frame."""
     uv = again.stretch().uv[-1]
     return bool(np.isfinite(uv).all()) and _distance(before, uv) > APART
 
@@ -86,7 +86,7 @@ def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
 
 
 def _distance(one: Array, other: Array) -> float:
-    """Return the distance of two trunks, of keypoints (33, 2), in sides of the region."""
+    """The distance of two trunks, of keypoints (33, 2), in sides of the region."""
     side = np.sqrt(_region(one).side * _region(other).side)
     return float(np.linalg.norm(one[_TRUNK].mean(axis=0) - other[_TRUNK].mean(axis=0)) / side)
 

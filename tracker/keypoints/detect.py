@@ -65,7 +65,7 @@ class DetectionWindow:
         return len(self.uv)
 
     def region(self, row: int) -> Region:
-        """Return where to look after a frame."""
+        """Where to look after a frame."""
         x, y, side, turn = self.regions[row].tolist()
         return Region(x, y, side, turn)
 
@@ -250,7 +250,7 @@ def detect(
 
 
 def _is_between(frame: int) -> bool:
-    """Return whether a frame is one of those between the ones that are looked at."""
+    """Whether a frame is one of those between the ones that are looked at."""
     return frame % 2 == 1
 
 
@@ -306,7 +306,7 @@ def _is_near(forward: DetectionWindow, other: _Start) -> bool:
 
 
 def _change(forward: DetectionWindow, backward: DetectionWindow) -> int:
-    """Return where the body passes from one chain to the other: where both are nearest to each
+    """Where the body passes from one chain to the other: where both are nearest to each
     other.
 
     Row k of forward is of frame one + 1 + k, of backward of one + k.

@@ -18,7 +18,7 @@ def open_detector(model: Model, *, fast: bool | None = None) -> AugmentedNetwork
 
 
 def detector_fingerprint(model: Model) -> str:
-    """Return what `open_detector(model).fingerprint` would be, with no network read."""
+    """What `open_detector(model).fingerprint` would be, with no network read."""
     if model.heads is None:
         return augmented_fingerprint(model)
     return paired_fingerprint(fingerprint_of(FULL), fingerprint_of(model))

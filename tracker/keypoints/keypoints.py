@@ -60,7 +60,7 @@ class Keypoints:
         return self.first_frame + len(self) - 1
 
     def over(self, first_frame: int, last_frame: int) -> Keypoints:
-        """Return the keypoints of exactly these frames, unseen where there are none."""
+        """The keypoints of exactly these frames, unseen where there are none."""
         count = last_frame - first_frame + 1
         low, high = max(first_frame, self.first_frame), min(last_frame, self.last_frame) + 1
 
@@ -90,7 +90,7 @@ class Keypoints:
         return replace(self, uv=np.array(pixels).reshape(self.uv.shape), masks=masks)
 
     def mask(self, frame: int) -> PersonMask | None:
-        """Return where the person is in the picture of a frame; None where that is unknown."""
+        """Where the person is in the picture of a frame; None where that is unknown."""
         here = self.masks is not None and self.first_frame <= frame <= self.last_frame
         return self.masks[frame - self.first_frame] if self.masks and here else None
 

@@ -16,7 +16,7 @@ _TOES: Final = ("big_toe", "small_toe", "heel")
 
 
 def _pairs(*joints: str) -> tuple[str, ...]:
-    """Return of every joint the left one, then the right one."""
+    """The names of joints on both sides, each left, then right."""
     return tuple(f"{side}_{joint}" for joint in joints for side in ("left", "right"))
 
 

@@ -97,17 +97,17 @@ class Model:
 
     @property
     def path(self) -> Path:
-        """Return where it lies, or would lie."""
+        """Where it lies, or would lie."""
         folder = Path(__file__).with_name("models") if self.bundled else added_folder()
         return folder / self.file
 
     @property
     def is_here(self) -> bool:
-        """Return whether there is a file of it; what it holds is checked when it is opened."""
+        """Whether there is a file of it; what it holds is checked when it is opened."""
         return self.path.is_file()
 
     def skips_frames_at(self, fps: float) -> bool:
-        """Return whether keypoints of every second frame are enough in a film of this rate."""
+        """Whether keypoints of every second frame are enough in a film of this rate."""
         return self.heads is not None and fps >= LEAST_SKIPPED_FPS
 
 
@@ -160,17 +160,17 @@ def cache_folder() -> Path:
 
 
 def added_folder() -> Path:
-    """Return where added networks are kept."""
+    """Where added networks are kept."""
     return cache_folder() / "models"
 
 
 def added_file(name: str) -> Path:
-    """Return where an added network lies; what is known of it, `.json`, lies beside it."""
+    """Where an added network lies; what is known of it, `.json`, lies beside it."""
     return added_folder() / f"{name}.onnx"
 
 
 def added_names() -> tuple[str, ...]:
-    """Return the names of all networks that a person added, in order."""
+    """The names of all networks that a person added, in order."""
     return tuple(sorted(path.stem for path in added_folder().glob("*.json")))
 
 
@@ -209,7 +209,7 @@ def find_model(name: str) -> Model:
 
 
 def note_damaged(name: str) -> KeypointError:
-    """Return what is said where the file beside an added network cannot be right."""
+    """What is said where the file beside an added network cannot be right."""
     return KeypointError(
         f"What is known of the network {name!r} is damaged: run `keypose models remove {name}` "
         "and add it again."
@@ -217,7 +217,7 @@ def note_damaged(name: str) -> KeypointError:
 
 
 def added_models() -> tuple[Model, ...]:
-    """Return the networks that a person added, without those of which what is known is damaged."""
+    """The networks that a person added, without those of which what is known is damaged."""
     found = []
     for name in added_names():
         with suppress(KeypointError):
@@ -251,17 +251,17 @@ def verified(model: Model) -> bytes:
 
 
 def adding(model: Model) -> str:
-    """Return the command that brings a network here; those that come with Keypose, with it."""
+    """The command that brings a network here; those that come with Keypose, with it."""
     if model.bundled:
         return "pip install --force-reinstall keypose"
     return adding_own(model.name) if model.heads else f"keypose models add {model.name}"
 
 
 def adding_own(name: str) -> str:
-    """Return the command that adds a network of a person's own under this name."""
+    """The command that adds a network of a person's own under this name."""
     return f"keypose models add {name} --from FILE --sha256 DIGEST"
 
 
 def is_content(model: Model, content: bytes) -> bool:
-    """Return whether these bytes are the network's file."""
+    """Whether these bytes are the network's file."""
     return hashlib.sha256(content).hexdigest() == model.sha256

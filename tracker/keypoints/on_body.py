@@ -86,14 +86,14 @@ def foot_end(body: Body, name: str) -> tuple[int, Point] | None:
 
 
 def is_persons(body: Body) -> bool:
-    """Return whether enough of a person's joints are on a body for keypoints to be compared with
+    """Whether enough of a person's joints are on a body for keypoints to be compared with
     it.
     """
     return len(points_on_body(body, JOINTS).indices) >= FEWEST
 
 
 def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
-    """Return how tall the body is in the picture, were it to stand where it is."""
+    """How tall the body is in the picture, were it to stand where it is."""
     rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))[:, :3, 3]
     tall = float(np.ptp(rest, axis=0).max()) * 1.1  # joints end at ankles and neck
     return tall * camera.fy / float(camera.depth(pose.p_camera_root))

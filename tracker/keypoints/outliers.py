@@ -77,7 +77,7 @@ class _Excursion:
 
 
 def _excursions(places: Array) -> Iterator[_Excursion]:
-    """Return where one keypoint (N, 2) may be elsewhere: between two steps."""
+    """Where one keypoint (N, 2) may be elsewhere: between two steps."""
     moved = np.linalg.norm(np.diff(places, axis=0), axis=-1)
     # at the ends nobody knows what was before, or comes after
     steps = np.flatnonzero(moved[1:-1] > STEP) + 1
@@ -99,7 +99,7 @@ def trunk_straightness(names: Sequence[str], p_hips: Array) -> Array | None:
 
 
 def _sides_are_right(straight: Array | None, away: _Excursion) -> bool:
-    """Return whether the trunk is less twisted meanwhile than before and after."""
+    """Whether the trunk is less twisted meanwhile than before and after."""
     if straight is None:
         return False
     beside = (straight[away.before] + straight[away.after]) / 2
@@ -107,7 +107,7 @@ def _sides_are_right(straight: Array | None, away: _Excursion) -> bool:
 
 
 def _is_there_and_back(places: Array, away: _Excursion) -> bool:
-    """Return whether both steps are all that one keypoint (N, 1, 2) moves there."""
+    """Whether both steps are all that one keypoint (N, 1, 2) moves there."""
     step, farther = np.sort(_steps(places, away)[:, 0])
     apart = float(np.linalg.norm(places[away.after] - places[away.before]))
     return bool(apart < farther and _otherwise(places, away)[0] < WITHIN * step)

@@ -127,14 +127,14 @@ def down_trunk(names: Sequence[str]) -> Array:
 
 
 def _places(names: Mapping[str, str], of: Sequence[str]) -> tuple[Indices, Indices]:
-    """Return where points are among BlazePose's, and where the same are among others."""
+    """Where points are among BlazePose's, and where the same are among others."""
     known = {name: its for name, its in names.items() if its in of}
     at, there = [NAMES.index(name) for name in known], [of.index(its) for its in known.values()]
     return np.array(at, dtype=np.int64), np.array(there, dtype=np.int64)
 
 
 def paired_fingerprint(blazepose: str, joints: str) -> str:
-    """Return what `PairedNetwork.fingerprint` is of networks of these fingerprints."""
+    """What `PairedNetwork.fingerprint` is of networks of these fingerprints."""
     kinds = {name: (kind.share, kind.doubted) for name, kind in KINDS.items()}
     how = repr((BLAZEPOSE_SHARE, APART, DOWN_TRUNK, ENDS, SURE, kinds))
     return f"{blazepose}-{joints}-{hashlib.sha256(how.encode()).hexdigest()[:8]}"

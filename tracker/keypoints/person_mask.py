@@ -34,7 +34,7 @@ class PersonMask:
         return cls(region, zlib.compress(levels.tobytes()))
 
     def outlined(self) -> PersonMask:
-        """Return the mask with what is more likely the person than not for certain: its outline
+        """The mask with what is more likely the person than not for certain: its outline
         stays to a part of a pixel, and a third of the bytes."""
         likely = (self.levels() > FULL_LEVEL / 2) * np.uint8(FULL_LEVEL)
         return replace(self, packed=zlib.compress(likely.tobytes()))
@@ -63,7 +63,7 @@ class PersonMask:
         return levels.reshape(MASK_SIDE, MASK_SIDE)
 
     def in_picture(self, width: int, height: int) -> NDArray[np.float32]:
-        """Return probabilities (H, W) in the whole picture, 0 outside the square."""
+        """Probabilities (H, W) in the whole picture, 0 outside the square."""
         to_picture = self.region.to_picture(MASK_SIDE)
         share = self.levels().astype(np.float32) / np.float32(FULL_LEVEL)
         drawn = cv2.warpAffine(share, to_picture, (width, height), flags=cv2.INTER_LINEAR)

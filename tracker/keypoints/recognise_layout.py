@@ -69,7 +69,7 @@ def _spread(uv: Array) -> Array:
 
 
 def _implausibilities(lengths: Array) -> tuple[float, float, float]:
-    """Return how long the limbs are, how unlike on both sides, and how changing over the frames."""
+    """How long the limbs are, how unlike on both sides, and how changing over the frames."""
     return (
         _mean(lengths),
         _mean(np.abs(lengths[:, 0] - lengths[:, 1])),

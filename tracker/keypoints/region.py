@@ -123,14 +123,14 @@ class Region:
         return Region(x, y, side, turn)
 
     def is_within(self, width: int, height: int) -> bool:
-        """Return whether the network can look there: in the picture, of a usable size."""
+        """Whether the network can look there: in the picture, of a usable size."""
         numbers = (self.x, self.y, self.side, self.turn_rad)
         if not np.isfinite(numbers).all() or not 8 <= self.side <= 8 * max(width, height):
             return False
         return -0.5 <= self.x <= width - 0.5 and -0.5 <= self.y <= height - 0.5
 
     def distance(self, other: Region) -> float:
-        """Return how far two regions differ: 0 where equal, 1 where one lies a side away, or is
+        """How far two regions differ: 0 where equal, 1 where one lies a side away, or is
         e times as large. Turns are not compared."""
         apart = np.hypot(self.x - other.x, self.y - other.y) / np.sqrt(self.side * other.side)
         return float(max(apart, abs(np.log(self.side / other.side))))
@@ -142,7 +142,7 @@ def _turn(angle_rad: float) -> NDArray[np.float64]:
 
 
 def _upward(names: tuple[str, ...], uv: Array) -> Array | None:
-    """Return the direction from the hips to the shoulders; None for a body without them, or seen
+    """The direction from the hips to the shoulders; None for a body without them, or seen
     along its trunk.
     """
     if not set(_HIPS + _SHOULDERS) <= set(names):

@@ -38,7 +38,7 @@ class Runtime(Protocol):
     name: str
 
     def run(self, image: Tensor) -> list[Tensor]:
-        """Return the outputs that were asked for, of an image (3, H, W). Of TFLite files some list
+        """The outputs that were asked for, of an image (3, H, W). Of TFLite files some list
         the channels of maps last."""
         ...
 
@@ -76,13 +76,13 @@ def cannot_run(network: str, runtime: str, error: Exception) -> KeypointError:
 
 
 def fast_is_here(suffix: str) -> bool:
-    """Return whether the fast package for such files is installed."""
+    """Whether the fast package for such files is installed."""
     module = _FAST[suffix].replace("-", "_")
     return importlib.util.find_spec(module) is not None
 
 
 def runtime_name(suffix: str, fast: bool | None = None) -> str:
-    """Return what `Runtime.name` would be, with nothing read for it."""
+    """What `Runtime.name` would be, with nothing read for it."""
     if fast_is_here(suffix) if fast is None else fast:
         return f"{_FAST[suffix]}-{importlib.metadata.version(_FAST[suffix])}"
     return f"opencv-{cv2.__version__}"

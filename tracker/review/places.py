@@ -161,7 +161,7 @@ def _tracked(known: JudgedSegments, doc: Session, results: Results) -> list[Plac
 
 
 def _is_same(known: JudgedSegments, one: Place, other: Place) -> bool:
-    """Return whether two of different kinds are about one limb at one time."""
+    """Whether two of different kinds are about one limb at one time."""
     if type(one.why) is type(other.why) or known.limb_of(one.part) != known.limb_of(other.part):
         return False
     return one.frames[0] <= other.frames[1] and other.frames[0] <= one.frames[1]
@@ -272,7 +272,7 @@ def drafts_to_confirm(doc: Session) -> tuple[int, ...]:
 
 
 def _is_unclear(doc: Session, place: Place) -> bool:
-    """Return whether a person marked this draft as unclear. It may have learned from keyframes
+    """Whether a person marked this draft as unclear. It may have learned from keyframes
     since, but a draft that is elsewhere is another one.
     """
     elsewhere_m = ELSEWHERE * height(doc.subject.body)

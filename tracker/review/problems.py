@@ -75,7 +75,7 @@ class Problem:
 
 
 def problem_of(known: JudgedSegments, track: SegmentResult) -> Problem | None:
-    """Return what is to be said of a segment: the first problem that nobody has answered, else one
+    """What is to be said of a segment: the first problem that nobody has answered, else one
     that the picture was unclear; None where nothing is wrong.
     """
     found = problems_of(known, track)
@@ -96,19 +96,19 @@ _PROBLEMS: WeakKeyDictionary[JudgedSegments, dict[Span, tuple[Problem, ...]]] = 
 
 
 def is_worth_a_keyframe(known: JudgedSegments, track: SegmentResult) -> bool:
-    """Return whether one is expected to mend something; asked only where that is known."""
+    """Whether one is expected to mend something; asked only where that is known."""
     return track.kind == "lost" or gain(track) > known.keyed_px + WORTH_PX
 
 
 def blames_keys(track: SegmentResult) -> bool:
-    """Return whether keyframes themselves are wrong, not what lies between them."""
+    """Whether keyframes themselves are wrong, not what lies between them."""
     verdict = track.verdict
     wrong = verdict is not None and verdict.cause in WRONG_KEYS
     return wrong or (track.kind == "lost" and track.last - track.first < 2)
 
 
 def is_past_mending(track: SegmentResult) -> bool:
-    """Return whether the interval is too short for a keyframe to help."""
+    """Whether the interval is too short for a keyframe to help."""
     hidden = track.verdict is not None and track.verdict.cause == "not_seen"
     short = SHORT_OCCLUSION_FRAMES if hidden else SHORT_FRAMES
     return not blames_keys(track) and track.last - track.first <= short
@@ -144,26 +144,26 @@ def _guessed(
 
 
 def _says_of(known: JudgedSegments, one: Problem, part: int, frame: int) -> bool:
-    """Return whether a problem tells of a limb at a frame, or that it is a guess in depth."""
+    """Whether a problem tells of a limb at a frame, or that it is a guess in depth."""
     if one.cause == "depth":
         return abs(frame - one.frame) <= REACH
     return part in known.limb_of(one.part) and one.frames[0] <= frame <= one.frames[1]
 
 
 def _is_settled(frame: int, listed: Sequence[Problem]) -> bool:
-    """Return whether a look at one of these places settles a frame as well."""
+    """Whether a look at one of these places settles a frame as well."""
     return any(abs(frame - other.frame) <= REACH for other in listed)
 
 
 def _agrees(found: Problem, verdict: Verdict) -> bool:
-    """Return whether a problem says what the verdict says."""
+    """Whether a problem says what the verdict says."""
     return verdict.kind == "good" or (
         found.cause not in BY_MOTION and verdict.part in (None, found.part)
     )
 
 
 def _first(known: JudgedSegments, track: SegmentResult) -> Problem | None:
-    """Return what is wrong with a segment as a whole."""
+    """What is wrong with a segment as a whole."""
     verdict, is_good = track.verdict, track.kind == "good"
     assert verdict is not None
     if not is_good and blames_keys(track):
@@ -198,7 +198,7 @@ def _inside(track: SegmentResult, frame: int) -> int:
 
 
 def _where_it_gains(known: JudgedSegments, track: SegmentResult, verdict: Verdict) -> Problem:
-    """Return where the part that is most in doubt is farthest off; without one at the frame where a
+    """Where the part that is most in doubt is farthest off; without one at the frame where a
     keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
     doubtful = next(iter(doubts(track, known.height_px(track))), None)
     row = int(possible_drift_px(track).argmax()) if doubtful is None else doubtful.row
@@ -215,7 +215,7 @@ def _where_it_gains(known: JudgedSegments, track: SegmentResult, verdict: Verdic
 
 
 def _is_about(verdict: Verdict, frame: int) -> bool:
-    """Return whether a verdict says why a frame needs a keyframe; one on a part speaks of its
+    """Whether a verdict says why a frame needs a keyframe; one on a part speaks of its
     frames.
     """
     if verdict.part is None or verdict.frames is None:
@@ -226,7 +226,7 @@ def _is_about(verdict: Verdict, frame: int) -> bool:
 def _how_it_moves(
     known: JudgedSegments, track: SegmentResult, frame: int
 ) -> tuple[ProblemCause, Span]:
-    """Return what is seen of the motion that makes a keyframe needed at a frame."""
+    """What is seen of the motion that makes a keyframe needed at a frame."""
     fast = fast_about(known.in_world(track), frame)
     if fast is not None:
         return "fast_motion", fast

@@ -82,14 +82,14 @@ class JudgedSegments:
 
     @cached_property
     def keyed_px(self) -> float:
-        """Return what seems to be gained in short intervals: the keyframes' own error."""
+        """What seems to be gained in short intervals: the keyframes' own error."""
         known = [t for t in self.tracks.values() if t.diagnostics.expected_gain is not None]
         short = [gain(t) for t in known if t.last - t.first <= KEYED_FRAMES]
         return float(np.median(short)) if short else 0.0
 
     @cached_property
     def lengths(self) -> tuple[int, ...]:
-        """Return the lengths of all segments, in frames."""
+        """The lengths of all segments, in frames."""
         return tuple(track.last - track.first for track in self.tracks.values())
 
     @cached_property
@@ -106,13 +106,13 @@ class JudgedSegments:
         return next((limb for limb in self.limbs if index in limb), (index,))
 
     def index(self, part: str | None) -> int:
-        """Return the index of a part, the root's where it is about the whole body, or about no part
+        """The index of a part, the root's where it is about the whole body, or about no part
         of it.
         """
         return 0 if part is None or part not in self.parts else list(self.parts).index(part)
 
     def name(self, index: int) -> str | None:
-        """Return the name of a part; None where names are not known."""
+        """The name of a part; None where names are not known."""
         return self.parts[index] if index < len(self.parts) else None
 
     def in_world(self, track: SegmentResult) -> Trajectory:
@@ -192,7 +192,7 @@ class JudgedSegments:
         return self.skeleton, motion, across_m, found.expected_depth
 
     def height_px(self, track: SegmentResult) -> float | None:
-        """Return how tall the body is in the picture in the middle of a segment; None where nobody
+        """How tall the body is in the picture in the middle of a segment; None where nobody
         knows."""
         if self.skeleton is None:
             return None
@@ -212,7 +212,7 @@ class JudgedSegments:
         return seen[0] if seen and self.index(seen[0]) not in limb else None
 
     def answer(self, part: str | None, frame: int, span: Span | None = None) -> Reviewed | None:
-        """Return what a person said of a part at a frame, where the motion is still that; the
+        """What a person said of a part at a frame, where the motion is still that; the
         newest.
 
         span: of the segment that was looked at; neighbours share a keyframe.
@@ -226,7 +226,7 @@ class JudgedSegments:
         return None
 
     def counts(self, one: Reviewed) -> bool:
-        """Return whether the motion is still as it was when a person answered."""
+        """Whether the motion is still as it was when a person answered."""
         return one.part in self.parts and self._is_as_seen(one)
 
     def _is_as_seen(self, one: Reviewed) -> bool:

@@ -53,7 +53,7 @@ class TrackedBody(Plain):
 
     @property
     def posed(self) -> tuple[Keyframe, ...]:
-        """Return all that has a pose: keyframes, also of parts, and drafts."""
+        """All that has a pose: keyframes, also of parts, and drafts."""
         return (*self.keyframes, *self.part_keyframes, *self.drafts)
 
     @model_validator(mode="before")

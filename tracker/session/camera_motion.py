@@ -183,7 +183,7 @@ class CameraMotion(Plain):
 
     @property
     def frame_count(self) -> int:
-        """Return of how many frames it is."""
+        """The number of frames."""
         return len(unpacked(self.samples)) // NUMBERS
 
     @property
@@ -209,7 +209,7 @@ class CameraMotion(Plain):
 
     @property
     def unscaled(self) -> tuple[CameraFinding, ...]:
-        """Return over which frames nothing tells how far the camera went."""
+        """The frames whose translation has no scale: nothing tells how far the camera went."""
         return tuple(
             CameraFinding(kind="no_scale", first_frame=first, last_frame=last, amount=1.0)
             for piece, (first, last) in zip(self.pieces, self.spans, strict=True)
@@ -218,7 +218,7 @@ class CameraMotion(Plain):
 
     @property
     def ways(self) -> tuple[CameraWay, ...]:
-        """Return for every piece how far the camera went from where it was as that begins."""
+        """For every piece how far the camera went from where it was as that begins."""
         places = self.in_its_units.Ts_world_camera[:, :3, 3]
         return tuple(
             CameraWay(
@@ -308,7 +308,7 @@ class CameraKeyframe(Plain):
 
     @property
     def correction(self) -> CameraCorrection:
-        """Return it as the path is corrected by it."""
+        """As the path takes it."""
         R = rotation_from_quaternion(np.array(self.R_camera_world_wxyz))
         return CameraCorrection(self.frame, transform(R, np.array(self.p_camera_world)), self.zoom)
 

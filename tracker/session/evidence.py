@@ -144,7 +144,7 @@ class Evidence(ABC):
     # --- identity
 
     def is_same(self, other: Evidence) -> bool:
-        """Return whether both are the same, as far as is known."""
+        """Whether both are the same, as far as is known."""
         a, b = self.video.fingerprint, other.video.fingerprint
         return self._is_as_large(other) and (a == b or "" in (a, b))
 
@@ -301,13 +301,13 @@ EVIDENCE_KINDS: tuple[type[Evidence], ...] = (SurfaceEvidence, FilmEvidence)
 
 
 def evidence_of(session: Session) -> Evidence:
-    """Return what the session's body is compared with."""
+    """What the session's body is compared with."""
     found = (kind.of(session) for kind in EVIDENCE_KINDS)
     return next(evidence for evidence in found if evidence is not None)
 
 
 def surface_of(session: Session) -> Surface:
-    """Return how the surfaces of a session are read; TypeError where it is not about such."""
+    """How the surfaces of a session are read; TypeError where it is not about such."""
     if session.view.surface is None:
         raise TypeError("the session is not about surfaces")
     return session.view.surface

@@ -23,7 +23,7 @@ class Step:
     made_s: float | None = None
 
     def is_same(self, other: Step) -> bool:
-        """Return whether both are one edit, seen from the same side."""
+        """Whether both are one edit, seen from the same side."""
         return self is other or (
             self.doc is other.doc
             and (self.label, self.frame, self.made_s) == (other.label, other.frame, other.made_s)

@@ -56,7 +56,7 @@ class Keyframe(Plain):
 
     @property
     def is_found(self) -> bool:
-        """Return whether it is as it was found in the film: tracking replaces such a draft."""
+        """Whether it is as it was found in the film: tracking replaces such a draft."""
         return self.followed or self.drafted
 
     @field_validator("rotations_wxyz")

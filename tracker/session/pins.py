@@ -45,7 +45,7 @@ class Pin(Plain):
         return self.first_frame, self.last_frame
 
     def points(self, body: Body) -> tuple[Point, ...]:
-        """Return what stands still, metres in the part's frame: with two landmarks also the joint,
+        """What stands still, metres in the part's frame: with two landmarks also the joint,
         or the part could turn about the line between them.
         """
         part = body.parts[body.index(self.part)]
@@ -55,7 +55,7 @@ class Pin(Plain):
         return named if len(named) == 1 else (*named, (0.0, 0.0, 0.0))
 
     def above_floor_m(self, body: Body, point: Point) -> float:
-        """Return how high one of its points is above the floor that it stands on: of a whole foot,
+        """How high one of its points is above the floor that it stands on: of a whole foot,
         which stands flat, the joint is as far above its sole as at rest.
         """
         if len(self.landmarks) < 2:
@@ -64,11 +64,11 @@ class Pin(Plain):
         return sole - point[1]
 
     def holds_sole(self, body: Body) -> bool:
-        """Return whether it holds heel or toe of a foot."""
+        """Whether it holds heel or toe of a foot."""
         return bool(self.landmarks and sole_of(body.parts[body.index(self.part)]))
 
     def overlaps(self, other: Pin) -> bool:
-        """Return whether both hold the same part at one frame."""
+        """Whether both hold the same part at one frame."""
         within = self.first_frame <= other.last_frame and other.first_frame <= self.last_frame
         return within and self.part == other.part and self._shares(other)
 

@@ -68,7 +68,7 @@ class VideoReference(Plain):
 
     @property
     def pictures(self) -> str:
-        """Return what the pictures are known by: another name where the same file gives others."""
+        """What the pictures are known by: another name where the same file gives others."""
         return self.fingerprint if self.deinterlace else f"{self.fingerprint} woven"
 
 

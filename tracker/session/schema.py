@@ -285,12 +285,12 @@ class Session(Plain):
 
     @property
     def view(self) -> View:
-        """Return the view whose pictures are shown."""
+        """The view whose pictures are shown."""
         return self.views[0]
 
     @property
     def subject(self) -> TrackedBody:
-        """Return the body that is posed and tracked."""
+        """The body that is posed and tracked."""
         return self.bodies[0]
 
     def about(self, body_id: str) -> Self:
@@ -306,7 +306,7 @@ class Session(Plain):
         return self.model_copy(update={"bodies": bodies})
 
     def value(self, name: str) -> Any:
-        """Return a field by its name, wherever it stands: in view, subject, world or here."""
+        """A field by its name, wherever it stands: in view, subject, world or here."""
         return getattr(_owner(self, PART_OF[name]), name)
 
     def changed(self, fields: Mapping[str, Any]) -> Self:
@@ -323,12 +323,12 @@ class Session(Plain):
 
     @property
     def evidence(self) -> Evidence:
-        """Return what the body is compared with."""
+        """What the body is compared with."""
         return evidence_of(self)
 
     @property
     def has_static_camera(self) -> bool:
-        """Return whether the camera is taken to stand still: as the settings say, else as it was
+        """Whether the camera is taken to stand still: as the settings say, else as it was
         found; False where nobody looked.
         """
         chosen, found = self.settings.static_camera, self.view.video.stands_still
@@ -343,7 +343,7 @@ class Session(Plain):
 
     @property
     def camera_path(self) -> CameraPath | None:
-        """Return where the camera was at every frame, as a person corrected it; None where it
+        """Where the camera was at every frame, as a person corrected it; None where it
         stands still, or where that is not known: then the camera is the world.
         """
         motion = self.view.camera_motion
@@ -352,7 +352,7 @@ class Session(Plain):
         return path_through(motion, self.view.camera_keyframes)
 
     def path_over(self, motion: Trajectory) -> CameraPath | None:
-        """Return where the camera was over the frames of a motion; None as for `camera_path`."""
+        """Where the camera was over the frames of a motion; None as for `camera_path`."""
         path = self.camera_path
         return None if path is None else path.between(motion.first_frame, motion.last_frame)
 
@@ -406,7 +406,7 @@ class Session(Plain):
 
     @property
     def is_newer(self) -> bool:
-        """Return whether a newer Keypose wrote it: it can then be viewed but not changed."""
+        """Whether a newer Keypose wrote it: it can then be viewed but not changed."""
         return self.schema_version > PRESENT
 
     @model_validator(mode="before")

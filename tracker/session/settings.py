@@ -62,7 +62,7 @@ Cues: TypeAlias = Annotated[tuple[Cue, ...], Field(min_length=1), AfterValidator
 
 
 def is_unknown(value: object) -> bool:
-    """Return whether a field is left out of files: `exclude_if`."""
+    """Whether a field is left out of files: `exclude_if`."""
     return value is None
 
 

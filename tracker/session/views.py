@@ -84,12 +84,12 @@ class View(Plain):
 
     @property
     def lens_is_guess(self) -> bool:
-        """Return whether distances rest on a lens that nobody knows."""
+        """Whether distances rest on a lens that nobody knows."""
         return (self.lens_source or self.camera.origin) == "guess"
 
     @property
     def depth_share(self) -> float | None:
-        """Return by what share distances may be off because the lens is a guess; None where it is
+        """By what share distances may be off because the lens is a guess; None where it is
         not.
         """
         return self.camera.usual_spread if self.lens_is_guess else None

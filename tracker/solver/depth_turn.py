@@ -62,14 +62,14 @@ def _flat(skeleton: Skeleton, part: np.intp) -> Array:
 
 
 def turns_round(skeleton: Skeleton, pose: Pose, turned: Pose, top: int) -> bool:
-    """Return whether part `top` and what hangs on it really is the other way round: joints that
+    """Whether part `top` and what hangs on it really is the other way round: joints that
     cannot bend so far may have kept it as it was.
     """
     return bool(depths_m(skeleton, pose, top) @ depths_m(skeleton, turned, top) <= 0)
 
 
 def strays(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: int) -> float:
-    """Return how far from where it was seen a joint of part `top`, or of what hangs on it, came to
+    """How far from where it was seen a joint of part `top`, or of what hangs on it, came to
     lie at most: a share of the body's height in the picture, infinite behind the camera.
     """
     points = joints_and_landmarks(skeleton)
@@ -81,7 +81,7 @@ def strays(skeleton: Skeleton, camera: Camera, pose: Pose, turned: Pose, top: in
 
 
 def depths_m(skeleton: Skeleton, pose: Pose, top: int) -> Array:
-    """Return how much farther than a part's joint those that hang on it are, and their landmarks;
+    """How much farther than a part's joint those that hang on it are, and their landmarks;
     of the whole body, where its limbs hang on the trunk.
     """
     points = joints_and_landmarks(skeleton)

@@ -109,13 +109,13 @@ class Problem(Protocol[State, Point]):
     """A problem of least squares: what is minimised."""
 
     def at(self, state: State, count: int) -> Point:
-        """Return what is known at a state, the `count`th from 0."""
+        """What is known at a state, the `count`th from 0."""
 
     def moved(self, state: State, step: Array) -> State:
         """The state after a step."""
 
     def travel(self, here: Point, there: Point, step: Array) -> float:
-        """Return how far a step leads."""
+        """How far a step leads."""
         return largest(step)
 
 
@@ -142,7 +142,7 @@ class Solution(Generic[State, Point]):
 
     @property
     def converged(self) -> bool:
-        """Return whether it came to rest there."""
+        """Whether it came to rest there."""
         return self.end in ("settled", "no gain")
 
 

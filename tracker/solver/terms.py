@@ -45,7 +45,7 @@ class Equations:
 
     @classmethod
     def none(cls, *shape: int) -> Equations:
-        """Return where nothing is compared: (..., D)."""
+        """Where nothing is compared: (..., D)."""
         return cls(np.zeros((*shape, shape[-1])), np.zeros(shape), 0.0)
 
     @classmethod

@@ -195,7 +195,7 @@ def _feet(body: Body) -> Iterator[tuple[int, tuple[str, ...], tuple[float, float
 def _after(
     toes: Sequence[tuple[int, int]], heels: Sequence[tuple[int, int]], least: float
 ) -> list[tuple[int, int]]:
-    """Return what is left of the toes' ranges once their heels have left."""
+    """What is left of the toes' ranges once their heels have left."""
     found = []
     for first, last in toes:
         ends = [b for a, b in heels if a <= last and b >= first]

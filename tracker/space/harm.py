@@ -49,12 +49,12 @@ class Harm:
 
     @property
     def is_much(self) -> bool:
-        """Return whether the pin is not to be kept in silence."""
+        """Whether the pin is not to be kept in silence."""
         return self.share > 1.0
 
     @property
     def is_too_much(self) -> bool:
-        """Return whether a contact that was proposed is released."""
+        """Whether a contact that was proposed is released."""
         return self.share > RELEASES[self.kind]
 
 

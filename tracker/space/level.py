@@ -141,7 +141,7 @@ def _evidence_of_balance(
 
 
 def leaning_rad(skeleton: Skeleton, motion: Trajectory, up_world: Array) -> float:
-    """Return how far the line from feet to shoulders usually is from up; 0 without these."""
+    """How far the line from feet to shoulders usually is from up; 0 without these."""
     feet, arms = (
         [i for i, name in enumerate(skeleton.body.names) if name.endswith(part)]
         for part in (JOINT_OF["ankle"], JOINT_OF["shoulder"])

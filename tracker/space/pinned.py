@@ -34,7 +34,7 @@ class PinnedPoint:
 
     @property
     def floor(self) -> bool:
-        """Return whether its place is known by the floor."""
+        """Whether its place is known by the floor."""
         return self.above_floor_m is not None
 
     def rows(self, motion: Trajectory) -> slice:

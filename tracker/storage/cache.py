@@ -106,7 +106,7 @@ def _stretch(content: bytes) -> DetectionWindow:
 def found_before(
     session: Session, span: Span, drafted: Keypoints | None = None
 ) -> Keypoints | None:
-    """Return the keypoints that a segment is tracked with, a draft's or those that a network found
+    """The keypoints that a segment is tracked with, a draft's or those that a network found
     when it was tracked last, without reading the film; None where there are none.
 
     drafted: what `keypoints_of_session` reads beside the session's file.

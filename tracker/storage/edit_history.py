@@ -219,7 +219,7 @@ def _fits_together(doc: Session) -> bool:
 
 
 def is_same_film(one: Session, other: Session) -> bool:
-    """Return whether both are about the same video, as far as is known. Meshes may be exported
+    """Whether both are about the same video, as far as is known. Meshes may be exported
     again.
     """
     return one.evidence.is_same(other.evidence)
@@ -299,7 +299,7 @@ def _made(value: Any) -> float | None:
 
 
 def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int]:
-    """Return which range of the past the new past begins with: the oldest steps may be dropped."""
+    """Which range of the past the new past begins with: the oldest steps may be dropped."""
     if not before or not after:
         return 0, 0
     first = next((k for k, step in enumerate(before) if step.is_same(after[0])), None)
@@ -309,7 +309,7 @@ def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int
 
 
 def _common(before: Sequence[Step], after: Sequence[Step]) -> int:
-    """Return how many steps both begin with."""
+    """How many steps both begin with."""
     count = 0
     for one, other in zip(before, after, strict=False):
         if not one.is_same(other):

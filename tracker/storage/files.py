@@ -146,7 +146,7 @@ def read_session(path: Path) -> Session:
 
 
 def journal_path(session_path: Path) -> Path:
-    """Return where the journal of a session file lies: journal.jsonl for session.json."""
+    """Where the journal of a session file lies: journal.jsonl for session.json."""
     stem = "" if session_path.name == "session.json" else f"{session_path.stem}."
     return session_path.with_name(f"{stem}{JOURNAL}")
 
@@ -228,7 +228,7 @@ def session_json(session: Session) -> bytes:
 
 
 def video_path(session: Session, session_path: Path) -> Path:
-    """Return where the session's video should be: its path is relative to the session file's
+    """Where the session's video should be: its path is relative to the session file's
     folder.
     """
     return Path(session_path).absolute().parent / session.view.video.path

@@ -111,7 +111,7 @@ def ahead_key(session: Session, keyframe: Keyframe) -> str:
 
 
 def open_ends(session: Session) -> tuple[int, ...]:
-    """Return where a motion of surfaces begins or ends without a keyframe; none of a film's."""
+    """Where a motion of surfaces begins or ends without a keyframe; none of a film's."""
     return session.evidence.open_ends([keyframe.frame for keyframe in session.subject.keyframes])
 
 
@@ -128,7 +128,7 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 
 
 def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
-    """Return what counts within a segment: masks, corrected keypoints, an own motion, and where
+    """What counts within a segment: masks, corrected keypoints, an own motion, and where
     depth is lifted, which of its keyframes nobody posed."""
     found = [*_masks_and_corrections(session, span), *_own_start(session, span)]
     drafted = [end.frame for end in ends if end.drafted and lifts_depth(session)]
@@ -155,7 +155,7 @@ def _steady(camera: Camera, motion: CameraMotion, path: CameraPath) -> SteadyCam
 
 
 def background_turns(session: Session) -> Array | None:
-    """Return how the steady camera is turned from the world at every frame, (F, 3, 3), where a film
+    """How the steady camera is turned from the world at every frame, (F, 3, 3), where a film
     is compared with the empty scene all around its camera; with keypoints that gains nothing."""
     motion, method = session.view.camera_motion, session.settings.method
     steady = steady_camera(session)
@@ -167,7 +167,7 @@ def background_turns(session: Session) -> Array | None:
 
 
 def shows_background(session: Session) -> bool:
-    """Return whether the empty scene is known: before a camera that stands still, or turns alone
+    """Whether the empty scene is known: before a camera that stands still, or turns alone
     and is tracked without keypoints."""
     return session.has_static_camera or background_turns(session) is not None
 
@@ -179,7 +179,7 @@ def turns_of(steady: SteadyCamera, motion: CameraMotion) -> Array:
 
 
 def _plate(session: Session) -> list[Any]:
-    """Return what the empty scene all around is put together by; nothing where there is none."""
+    """What the empty scene all around is put together by; nothing where there is none."""
     motion, steady = session.view.camera_motion, steady_camera(session)
     if motion is None or steady is None or background_turns(session) is None:
         return []
@@ -193,7 +193,7 @@ def _around_digest(steady: SteadyCamera, motion: CameraMotion) -> str:
 
 
 def _steadied(session: Session, span: Span) -> list[Any]:
-    """Return how a segment's pictures are turned and enlarged; nothing where they are not."""
+    """How a segment's pictures are turned and enlarged; nothing where they are not."""
     steady = steady_camera(session)
     if steady is None:
         return []
@@ -231,7 +231,7 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
 
 
 def has_drafted_keypoints(session: Session) -> bool:
-    """Return whether a draft's keypoints serve segments as well, for their keypoints or for their
+    """Whether a draft's keypoints serve segments as well, for their keypoints or for their
     silhouette: the same network's, with masks of the person where these are wanted."""
     drafted, masks = session.view.keypoints, _looks_for_person(session)
     if drafted is None or not drafted.runs or (masks and not drafted.masks):
@@ -242,7 +242,7 @@ def has_drafted_keypoints(session: Session) -> bool:
 
 
 def _drafted(session: Session, span: Span) -> list[Any]:
-    """Return what a draft's keypoints are in a segment; nothing where they do not count."""
+    """What a draft's keypoints are in a segment; nothing where they do not count."""
     if session.view.keypoints is None or not has_drafted_keypoints(session):
         return []
     beyond = _frames_looked_beyond(session) if lifts_depth(session) else 0
@@ -256,35 +256,35 @@ LIFTED_FROM_S: Final = 0.5
 
 
 def lifts_depth(session: Session) -> bool:
-    """Return whether the depth of keypoints is lifted from what is seen around a frame."""
+    """Whether the depth of keypoints is lifted from what is seen around a frame."""
     return "depth" in session.settings.cues_used and _uses_keypoints(session)
 
 
 def _frames_looked_beyond(session: Session) -> int:
-    """Return how many frames before and after a segment, at most, its depth is lifted from."""
+    """How many frames before and after a segment, at most, its depth is lifted from."""
     one, other = session.subject.keyframes[0], session.subject.keyframes[-1]
     rate = (other.frame - one.frame) / max(other.time_s - one.time_s, 1e-6)
     return math.ceil(LIFTED_FROM_S * float(rate))
 
 
 def _looks_for_person(session: Session) -> bool:
-    """Return whether a network's masks judge the silhouette."""
+    """Whether a network's masks judge the silhouette."""
     keypose = session.settings.method == "keypose"
     return keypose and needs_masks(session) and is_persons(session.subject.body)
 
 
 def needs_masks(session: Session) -> bool:
-    """Return whether the person's masks are wanted, since no background shows their silhouette."""
+    """Whether the person's masks are wanted, since no background shows their silhouette."""
     return "silhouette" in session.settings.cues_used and not shows_background(session)
 
 
 def _keyframe_ends(_session: Session, _span: Span, ends: Sequence[Keyframe]) -> list[Any]:
-    """Return which of a segment's ends are keyframes."""
+    """Which of a segment's ends are keyframes."""
     return [end.frame for end in ends]
 
 
 def _setup(session: Session) -> bytes:
-    """Return what every segment's motion depends on besides its poses and masks."""
+    """What every segment's motion depends on besides its poses and masks."""
     return _INPUTS.of(session).setup(session)
 
 
@@ -370,7 +370,7 @@ _INPUTS = ByEvidence(
 
 
 def _cues(session: Session) -> list[Any]:
-    """Return what counts besides brightness; nothing where nothing does."""
+    """What counts besides brightness; nothing where nothing does."""
     settings, cues = session.settings, list(_keypoints(session))
     if settings.method == "keypose" and "silhouette" in settings.cues_used:
         if not needs_masks(session):
@@ -381,7 +381,7 @@ def _cues(session: Session) -> list[Any]:
 
 
 def _keypoints(session: Session) -> list[Any]:
-    """Return which keypoints count.
+    """Which keypoints count.
 
     Those that a network finds follow from the film and the segment's own keyframes, and those of a
     draft are counted by the segment (`_drafted`).
@@ -394,7 +394,7 @@ def _keypoints(session: Session) -> list[Any]:
 
 
 def _digest(network: str) -> str:
-    """Return a network's digest; its name where it is not here: then no result fits."""
+    """A network's digest; its name where it is not here: then no result fits."""
     try:
         return find_model(network).sha256
     except KeypointError:
@@ -402,7 +402,7 @@ def _digest(network: str) -> str:
 
 
 def _woven(session: Session) -> list[Any]:
-    """Return whether interlaced frames keep their fields; nothing where not."""
+    """Whether interlaced frames keep their fields; nothing where not."""
     return [] if session.view.video.deinterlace else ["woven"]
 
 
@@ -413,7 +413,7 @@ def _uses_keypoints(session: Session) -> bool:
 
 
 def _start(session: Session) -> list[Any]:
-    """Return what segments start from, besides the method's own start."""
+    """What segments start from, besides the method's own start."""
     initial, first_motion = session.settings.initial, session.subject.first_motion
     left_out = sorted(set(session.settings.left_out))
     if initial == "templates":

@@ -80,7 +80,7 @@ class Journal:
         self._file: int | None = None
 
     def is_there(self) -> bool:
-        """Return whether the file is still the one to continue: not removed or replaced."""
+        """Whether the file is still the one to continue: not removed or replaced."""
         try:
             there = self.path.lstat()
             require_own(self.path, there)

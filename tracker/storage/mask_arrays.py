@@ -23,7 +23,7 @@ MASK_ARRAYS: Final = ("looked", "packed", "lengths")
 
 
 def arrays_of_masks(masks: Sequence[PersonMask | None]) -> dict[str, NDArray[Any]]:
-    """Return the arrays of so many frames' masks, None where there is none."""
+    """The arrays of so many frames' masks, None where there is none."""
     nowhere = np.full(4, np.nan)
     packed = [b"" if mask is None else mask.packed for mask in masks]
     return {
@@ -34,7 +34,7 @@ def arrays_of_masks(masks: Sequence[PersonMask | None]) -> dict[str, NDArray[Any
 
 
 def masks_of_arrays(looked: Array, packed: NDArray[np.uint8], lengths: NDArray[np.int64]) -> Masks:
-    """Return the masks of these arrays; ValueError where they hold none."""
+    """The masks of these arrays; ValueError where they hold none."""
     count = len(np.atleast_1d(lengths))
     if lengths.shape != (count,) or lengths.dtype != np.int64 or count < 1 or lengths.min() < 0:
         raise ValueError("its masks are not counted")

@@ -93,7 +93,7 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
 
 
 def _may_move(session: Session) -> bool:
-    """Return whether the film's camera does not stand still, as far as anybody has looked."""
+    """Whether the film's camera does not stand still, as far as anybody has looked."""
     view = session.view
     return view.camera_motion is not None or view.video.stands_still is False
 
@@ -105,13 +105,13 @@ def _either(names: Sequence[str]) -> str:
 
 
 def _is_outdated(session: Session, results: Results) -> bool:
-    """Return whether a segment's key is another one now."""
+    """Whether a segment's key is another one now."""
     keys = present_keys(session)
     return any(keys.get((s.first_frame, s.last_frame)) != s.key for s in results.segments)
 
 
 def _other_space(session: Session, results: Results) -> bool:
-    """Return whether the motion would be solved for in space in another way, now or at all."""
+    """Whether the motion would be solved for in space in another way, now or at all."""
     rows = [
         Usable(s.first_frame, s.last_frame, s.key or "", s.quality or results.quality)
         for s in results.segments

@@ -32,7 +32,7 @@ SLOWEST_S: Final = 600.0
 
 
 def seconds_a_frame(network: str) -> float | None:
-    """Return how long a frame of a draft takes by the network of this name; None where nobody
+    """How long a frame of a draft takes by the network of this name; None where nobody
     knows."""
     path = _path()
     try:

@@ -284,14 +284,14 @@ def save_keypoints(
 
 
 def _shows_outlines(keypoints: Keypoints) -> bool:
-    """Return whether it is known where the person is wherever one was seen."""
+    """Whether it is known where the person is wherever one was seen."""
     seen = np.isfinite(keypoints.uv).all(axis=(1, 2))
     masks = keypoints.masks
     return masks is not None and all(masks[n] is not None for n in np.flatnonzero(seen))
 
 
 def _model_of(session: Session, network: str) -> str:
-    """Return the SHA-256 of the network that a session has chosen; empty if another one found."""
+    """The SHA-256 of the network that a session has chosen; empty if another one found."""
     from keypose.tracker.keypoints.detectors import detector_fingerprint  # what runs networks
 
     with suppress(KeypointError):  # it is not here any more
@@ -302,7 +302,7 @@ def _model_of(session: Session, network: str) -> str:
 
 
 def _runs(keypoints: Keypoints) -> tuple[str, ...]:
-    """Return what `KeypointFile.runs` are of keypoints."""
+    """What `KeypointFile.runs` are of keypoints."""
 
     def digest(first: int) -> str:
         arrays = _arrays(keypoints.over(first, first + KEYPOINT_RUN - 1))

@@ -153,7 +153,7 @@ def up_of(session: Session) -> Array:
 
 
 def frames_per_second(session: Session, motion: Trajectory) -> float:
-    """Return the frame rate of a motion between keyframes; where that varies the mean."""
+    """The frame rate of a motion between keyframes; where that varies the mean."""
     return _frames_per_second(keyframes_within(session, motion.first_frame, motion.last_frame))
 
 
@@ -193,7 +193,7 @@ def _held(session: Session, pins: Sequence[Pin]) -> list[_Held]:
 
 
 def _goes_on(before: _Held, pin: Pin, point: PinnedPoint) -> bool:
-    """Return whether a pin of other points of the same part holds this one right after another."""
+    """Whether a pin of other points of the same part holds this one right after another."""
     known = before.point
     return (
         (known.part, known.p_part, known.above_floor_m)

@@ -54,7 +54,7 @@ class Usable(NamedTuple):
 
 
 def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[SegmentRun]:
-    """Return what there is to solve."""
+    """What there is to solve."""
     rows = [
         Usable(*span, found.key, found.quality)
         for span, found in fitting.items()

@@ -48,7 +48,7 @@ from keypose.tracker.video.clip_loader import AGAIN, ONCE, Memory
 
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
-    """Return what is exact at frames between keyframes."""
+    """What is exact at frames between keyframes."""
     telephoto = session.view.camera.projection == "telephoto"
     return [
         KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton), telephoto)
@@ -108,7 +108,7 @@ def steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> Keyp
 def keypoint_source(
     session: Session, video: Video, given: Keypoints | None
 ) -> KeypointSource | None:
-    """Return where keypoints come from, with a person's corrections; None if they do not count."""
+    """Where keypoints come from, with a person's corrections; None if they do not count."""
     source = _found_keypoints(session, video, given)
     if source is not None and session.view.keypoint_corrections:
         source = CorrectedKeypoints(source, session.view.keypoint_corrections)
@@ -131,7 +131,7 @@ def _found_keypoints(
 
 
 def _or_drafted(found: KeypointSource, session: Session, given: Keypoints | None) -> KeypointSource:
-    """Return a network's keypoints, or a draft's where the body lies on them."""
+    """A network's keypoints, or a draft's where the body lies on them."""
     drafted = session.view.keypoints
     if drafted is None or not has_drafted_keypoints(session):
         return found
@@ -148,14 +148,14 @@ def _not_read(keypoints: KeypointFile) -> SessionError:
 
 
 def _people(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
-    """Return what sees the person's silhouette, where no background shows it."""
+    """What sees the person's silhouette, where no background shows it."""
     if not needs_masks(session) or not is_persons(session.subject.body):
         return None
     return _or_drafted(detected_keypoints(session, video), session, given)
 
 
 def detected_keypoints(session: Session, video: Video, *, masks: bool = True) -> DetectedKeypoints:
-    """Return what looks for a session's person with its network, and keeps what it finds.
+    """What looks for a session's person with its network, and keeps what it finds.
 
     masks: whether the person's mask is wanted in each frame.
     """

@@ -277,7 +277,7 @@ def _how_tracked(session: Session, session_path: Path) -> tuple[str, str]:
 
 
 def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
-    """Return what the session's file says of a segment: the fields that both have."""
+    """What the session's file says of a segment: the fields that both have."""
     fields = {
         name: _finite(getattr(segment, name))
         for name in SegmentSummary.model_fields

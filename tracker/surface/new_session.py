@@ -96,7 +96,7 @@ class SurfaceSetup:
 def choose_reading(
     sequence: MeshSequence, reading: Reading, rig: Rig | None = None
 ) -> SurfaceSetup:
-    """Return how a new session reads these meshes. SurfaceError where none of them can be used.
+    """How a new session reads these meshes. SurfaceError where none of them can be used.
 
     rig: the cameras, whose world is that of the meshes.
     """
@@ -152,7 +152,7 @@ def _likely_units(mesh: SurfaceMesh) -> Units:
 
 
 def _describe_guesses(mesh: SurfaceMesh, units: Units | None, up: UpAxis | None) -> tuple[str, ...]:
-    """Return what is guessed; nothing where all is known."""
+    """What is guessed; nothing where all is known."""
     if units is not None and up is not None:
         return ()
     likely = units or _likely_units(mesh)
@@ -190,7 +190,7 @@ def _boxes(sequence: MeshSequence, placement: Placement, first: Box, frame: int)
 
 
 def _place_origin(first: Box, all_of_them: Box, camera: Camera) -> tuple[float, float, float]:
-    """Return where the origin goes, so that the camera sees all; or the first well, where they go
+    """Where the origin goes, so that the camera sees all; or the first well, where they go
     far.
     """
     near = _nearest_z(all_of_them, camera)
@@ -204,7 +204,7 @@ def _place_origin(first: Box, all_of_them: Box, camera: Camera) -> tuple[float, 
 
 
 def _nearest_z(box: Box, camera: Camera) -> float:
-    """Return how near its front may come."""
+    """How near its front may come."""
     width, height = (box[1] - box[0])[:2]
     return max(
         float(height) * camera.fy / (FILLED_HEIGHT * camera.height),

@@ -77,7 +77,7 @@ class SurfaceVideo(Video):
         return self._drawn.steps
 
     def frame(self, index: int, shrink: int = 1) -> Picture:
-        """Return a frame as Video.frame; MissingFrame says what is wrong with the step's mesh."""
+        """A frame as Video.frame; MissingFrame says what is wrong with the step's mesh."""
         try:
             return super().frame(index, shrink)
         except MissingFrame:
@@ -85,7 +85,7 @@ class SurfaceVideo(Video):
             raise MissingFrame(words, words) from None
 
     def note(self, index: int) -> str | None:
-        """Return the note as Video.note."""
+        """The note as Video.note."""
         return self.steps.sequence.missing.get(index)
 
 

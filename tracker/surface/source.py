@@ -134,7 +134,7 @@ class UnratedSteps:
         return self._steps.shape(frame)
 
     def cut_by(self, frame: int) -> tuple[str, ...]:
-        """Return the same as `SurfaceSteps.cut_by`; none where the cameras cannot be used."""
+        """The same as `SurfaceSteps.cut_by`; none where the cameras cannot be used."""
         try:
             return self._steps.cut_by(frame)
         except SurfaceError:
@@ -186,7 +186,7 @@ class _Latest:
 
 
 def placement_of(surface: Surface) -> Placement:
-    """Return where the meshes of a session lie."""
+    """Where the meshes of a session lie."""
     return Placement(surface.units, surface.up, np.array(surface.p_camera_surface))
 
 
@@ -199,7 +199,7 @@ def open_steps(surface: Surface, meshes: Path, folder: Path) -> SurfaceSteps:
 
 
 def holds_meshes(path: Path) -> bool:
-    """Return whether a path leads to observed surfaces rather than to a video: a mesh, or a folder
+    """Whether a path leads to observed surfaces rather than to a video: a mesh, or a folder
     with meshes that are not just lying among many images. Only names are looked at.
     """
     if not path.is_dir():

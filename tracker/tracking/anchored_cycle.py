@@ -143,7 +143,7 @@ def track_anchored(
 
 
 def _is_misled(followed: Measured, ends: Sequence[Candidate]) -> bool:
-    """Return whether all that was found with keypoints explains the pictures worse than the body as
+    """Whether all that was found with keypoints explains the pictures worse than the body as
     it was followed to begin with. What a person set right misleads nobody.
     """
     if any((ended.anchors.by_hand > 0).any() for ended in ends):
@@ -171,7 +171,7 @@ def expected_anchored_steps(passes: int) -> int:
 
 
 def measured_by_keypoints(correction: Correction, found: Trajectory, index: int) -> Candidate:
-    """Return what keypoints alone led to."""
+    """What keypoints alone led to."""
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
     return Candidate(index, found, correction.cost(found, held), None, nothing, correction.anchors)
@@ -305,7 +305,7 @@ def _outcome(
 def joint_evidence(
     free: Scene, ends: Sequence[Candidate], best: Candidate, keyed: tuple[int, ...] = (0, -1)
 ) -> JointEvidence:
-    """Return what tracking saw of the best motion: its keypoints, how far from it brightness leads,
+    """What tracking saw of the best motion: its keypoints, how far from it brightness leads,
     and how far the others lie that took left and right alike. keyed: its rows that are keyframes.
     """
     anchors, height = best.anchors, best.anchors.height_px

@@ -163,7 +163,7 @@ def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pas
 def _is_better(
     scene: Scene, segment: Segment, method: Keypose, refined: Pass, unrefined: Pass
 ) -> bool:
-    """Return whether the refinement is better.
+    """Whether the refinement is better.
 
     The score compares neighbouring frames and so prefers the passes, which do just that; the
     refinement compares with the keyframes and is nearer to the truth if those are posed exactly.

@@ -189,7 +189,7 @@ def best_of(tried: Sequence[Pass]) -> int:
 
 
 def keyframe_difference(scene: Scene, segment: Segment, stride: int) -> float:
-    """Return how different the textures of the two keyframes are, each compared with the other
+    """How different the textures of the two keyframes are, each compared with the other
     directly.
 
     Mean capped square: small where both are posed exactly, 0 where nothing can be compared.

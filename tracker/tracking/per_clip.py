@@ -25,7 +25,7 @@ class PerClip(Generic[Found]):
         self._kept: WeakKeyDictionary[Clip, OrderedDict[Hashable, Found]] = WeakKeyDictionary()
 
     def get(self, clip: Clip, key: Hashable, find: Callable[[], Found]) -> Found:
-        """Return what is kept of a clip under a key, which says all else that decides it; found
+        """What is kept of a clip under a key, which says all else that decides it; found
         where nothing is."""
         with self._lock:
             kept = self._kept.setdefault(clip, OrderedDict())

@@ -154,7 +154,7 @@ def run_tasks(
 def stream(
     work: Callable[[Callable[[Item], None]], None], stop: Event, look: Callable[[], object] = never
 ) -> Generator[Item]:
-    """Return what `work` reports to the function it is given, in order; it works on a thread of its
+    """What `work` reports to the function it is given, in order; it works on a thread of its
     own.
 
     stop: set when the iterator is closed before the end, so that the work leaves.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def prior_motion_links(scene: Scene, own: Trajectory) -> tuple[Link, ...]:
-    """Return what a segment's motion is compared with from frame to frame; it needs no other
+    """What a segment's motion is compared with from frame to frame; it needs no other
     smoothness.
 
     own: a motion that meets both keyframes.

@@ -41,7 +41,7 @@ class Column(NamedTuple):
 
     @classmethod
     def of(cls, declared: Field[Any]) -> Column:
-        """Return the column as a field of `Diagnostics` declares it."""
+        """The column as a field of `Diagnostics` declares it."""
         layout = dict(declared.metadata)
         return cls(declared.name, layout.pop("stored_as") or declared.name, **layout)
 
@@ -50,7 +50,7 @@ class Column(NamedTuple):
         return -1 if self.dtype == "<i8" else np.nan
 
     def shape(self, frames: int, parts: int, dofs: int) -> tuple[int, ...]:
-        """Return the shape of the whole array."""
+        """The shape of the whole array."""
         width = {"": (), "part": (parts,), "dof": (dofs,)}[self.width]
         return (frames - (self.rows == "step"), *width)
 
@@ -59,7 +59,7 @@ def _layout(
     rows: Literal["step", "frame"], width: Literal["", "part", "dof"] = "", *, dtype: str = "<f8",
     stored_as: str = "", optional: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return what a field of `Diagnostics` declares of its array, see `Column`."""
+    """What a field of `Diagnostics` declares of its array, see `Column`."""
     return {
         "rows": rows, "width": width, "dtype": dtype, "stored_as": stored_as, "optional": optional,
     }  # fmt: skip
@@ -165,7 +165,7 @@ class Diagnostics:
 
 
 def _every_row_has_a_value(rows: NDArray[Any]) -> bool:
-    """Return whether something is known of every row."""
+    """Whether something is known of every row."""
     return bool(np.isfinite(rows).reshape(len(rows), -1).any(axis=1).all())
 
 
@@ -228,7 +228,7 @@ class SegmentResult:
 
     @property
     def finished(self) -> bool:
-        """Return whether it can be used: judged, though perhaps stopped before all was done."""
+        """Whether it can be used: judged, though perhaps stopped before all was done."""
         return self.verdict is not None
 
     @property

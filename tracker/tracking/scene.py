@@ -121,7 +121,7 @@ class Scene:
         return self._kept(trajectory, "T", lambda: trajectory.transforms(self.skeleton))
 
     def mark_pixels(self, trajectory: Trajectory) -> Array:
-        """Return where the marks of every pose are seen: (N, M, 2) pixels."""
+        """Where the marks of every pose are seen: (N, M, 2) pixels."""
 
         def seen() -> Array:
             points, parts = self.marks
@@ -132,7 +132,7 @@ class Scene:
         return self._kept(trajectory, "uv", seen)
 
     def _kept(self, trajectory: Trajectory, what: str, find: Callable[[], Array]) -> Array:
-        """Return what was found of a trajectory before, while that is in use."""
+        """What was found of a trajectory before, while that is in use."""
         known = self._of_trajectories.setdefault(trajectory, {})
         if what not in known:
             known[what] = find()
@@ -140,7 +140,7 @@ class Scene:
         return known[what]
 
     def point_pixels(self, trajectory: Trajectory, part: int, p_part: Array) -> Array:
-        """Return where a point of a part is seen in every pose: (N, 2) pixels."""
+        """Where a point of a part is seen in every pose: (N, 2) pixels."""
         T = self.transforms(trajectory)[:, part]
         return self.camera.project(T[:, :3, :3] @ p_part + T[:, :3, 3])
 

@@ -57,14 +57,14 @@ class Segment:
 
 
 def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
-    """Return whether every joint of a trajectory lies before the camera, and not too far away."""
+    """Whether every joint of a trajectory lies before the camera, and not too far away."""
     z = scene.transforms(trajectory)[..., 2, 3]
     far = FURTHEST * max(segment.start.p_camera_root[2], segment.end.p_camera_root[2])
     return bool(np.isfinite(z).all() and z.min() > NEAREST_M and z.max() < far)
 
 
 def extent_px(scene: Scene, trajectory: Trajectory) -> float:
-    """Return how large the body is in the picture, as a rule; at least a pixel."""
+    """How large the body is in the picture, as a rule; at least a pixel."""
     uv = scene.mark_pixels(trajectory)
     extent = np.median((uv.max(axis=1) - uv.min(axis=1)).max(axis=-1))
     return max(float(np.nan_to_num(extent)), 1.0)

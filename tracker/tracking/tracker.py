@@ -81,12 +81,12 @@ class _Prepared:
 
     @property
     def frame_count(self) -> int:
-        """Return the number of frames of the video."""
+        """The number of frames of the video."""
         return self._video.info.frame_count
 
     @property
     def shows_background(self) -> bool:
-        """Return whether pictures are compared with one of the empty scene."""
+        """Whether pictures are compared with one of the empty scene."""
         return self._loading[1] or self._loading[4] is not None
 
     def loader(self, longest: int) -> ClipLoader:
@@ -220,7 +220,7 @@ class Tracker:
         return Trajectory(motion.first_frame, R, t)
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
-        """Return what loads the pictures of a segment, in the size that its length allows."""
+        """What loads the pictures of a segment, in the size that its length allows."""
         return self._prepared.loader(span[1] - span[0] + 1)
 
     def scene(self, span: tuple[int, int], density: float, free: bool = False) -> Scene:
@@ -266,7 +266,7 @@ class Tracker:
 
     @property
     def frame_count(self) -> int:
-        """Return the number of frames of the video."""
+        """The number of frames of the video."""
         return self._prepared.frame_count
 
     @property
@@ -371,7 +371,7 @@ class Tracker:
     def _evidence(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
     ) -> Evidence:
-        """Return what limbs are tracked from."""
+        """What limbs are tracked from."""
         method = self._method(settings)
         keypoints = self._keypoints_of(self.keypoint_source(settings), segment, emit)
         if keypoints is None:
@@ -417,7 +417,7 @@ class Tracker:
         return source.over(segment, self.skeleton, report)
 
     def _outlines(self, segment: Segment, settings: TrackSettings, emit: Emit) -> Outlines | None:
-        """Return where the person is, before a camera that moves; None before one that stands
+        """Where the person is, before a camera that moves; None before one that stands
         still, and where no silhouette counts."""
         if self._prepared.shows_background or not self._uses_silhouette(settings):
             return None
@@ -429,18 +429,18 @@ class Tracker:
         return method_of(settings, with_keypoints=self._uses_keypoints(settings))
 
     def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
-        """Return where keypoints come from; None where they do not count."""
+        """Where keypoints come from; None where they do not count."""
         return self._keypoints if self._uses_keypoints(settings) else None
 
     def _uses_keypoints(self, settings: TrackSettings) -> bool:
-        """Return whether keypoints count where there are any: never for the printed method, nor for
+        """Whether keypoints count where there are any: never for the printed method, nor for
         bodies that are no person's.
         """
         wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
     def _uses_silhouette(self, settings: TrackSettings) -> bool:
-        """Return whether it counts: before a camera that stands still, and where there is a
+        """Whether it counts: before a camera that stands still, and where there is a
         person."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         persons = self._people is not None and is_persons(self.skeleton.body)

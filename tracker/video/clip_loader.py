@@ -282,7 +282,7 @@ class ClipLoader:
         return self.size.picture(picture)
 
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Usable | None:
-        """Return what each pixel may be used for, or None where everything may."""
+        """What each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
         beyond = self.steady is not None and not self.steady.covers(index)
         plate = self.static_camera or self.turns is not None

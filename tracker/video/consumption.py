@@ -62,13 +62,13 @@ class Coding:
 
     @property
     def length_bytes(self) -> int:
-        """Return how many bytes hold a unit's length; 0 where start codes separate units."""
+        """How many bytes hold a unit's length; 0 where start codes separate units."""
         data = self.extradata
         at = 21 if self.codec == "hevc" else 4
         return (data[at] & 3) + 1 if data is not None and len(data) > at and data[0] == 1 else 0
 
     def is_judged(self, packet: bytes, is_key: bool) -> bool:
-        """Return whether this packet, a key or not, can be judged by itself.
+        """Whether this packet, a key or not, can be judged by itself.
 
         The decoders of H.264 and VP9 cannot decode a packet without its references.
         """
@@ -104,7 +104,7 @@ class Coding:
         return packet
 
     def is_slice(self, head: bytes) -> bool:
-        """Return whether a unit that begins like this is part of the picture that is shown."""
+        """Whether a unit that begins like this is part of the picture that is shown."""
         if self.codec == "h264":
             return head[0] & 31 in (1, 5)
         layer = (head[0] & 1) << 5 | head[1] >> 3
@@ -112,7 +112,7 @@ class Coding:
 
 
 def is_misread(packet: bytes, coding: Coding) -> bool:
-    """Return whether the decoder misreads this packet; False where that cannot be tested."""
+    """Whether the decoder misreads this packet; False where that cannot be tested."""
     units = list(_slices(packet, coding))
     slices = [unit for unit in units if unit.end - unit.start > _HEAD + _TAIL]
     if not slices:
@@ -137,7 +137,7 @@ def _is_reached(
     picture: _Picture,
     chance: random.Random,
 ) -> bool:
-    """Return whether the last bytes of a slice affect the decoded picture."""
+    """Whether the last bytes of a slice affect the decoded picture."""
     for _ in range(_TRIES):
         other = _with_ending(packet, unit, _noise(chance, _TAIL), b"")
         if _decoded(other, coding) != picture:
@@ -212,7 +212,7 @@ def _start_code_units(packet: bytes) -> Iterator[Unit]:
 
 
 def _end_of_data(packet: bytes, start: int, end: int) -> int:
-    """Return where a slice ends without its padding."""
+    """Where a slice ends without its padding."""
     while (
         end > start and packet[end - 1] in (0, 3) and packet[start:end].endswith((b"\0", b"\0\0\3"))
     ):

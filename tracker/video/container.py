@@ -137,7 +137,7 @@ def decode_packets(
 
 
 def tags_of(frame: av.VideoFrame) -> dict[str, str]:
-    """Return what a picture says of itself, such as its EXIF tags; nothing where that cannot be
+    """What a picture says of itself, such as its EXIF tags; nothing where that cannot be
     read.
     """
     try:

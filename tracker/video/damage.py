@@ -90,7 +90,7 @@ class _Section:
     changes: dict[int, float] = field(default_factory=dict)  # by frame
 
     def damaged(self, stop: int) -> frozenset[int]:
-        """Return the damaged frames of first … before stop."""
+        """The damaged frames of first … before stop."""
         absent = [n for n in range(self.first, stop) if n not in self.came]
         faults = [*self.faults, *(self.given[n] for n in absent if n in self.given)]
         earliest = min(faults, default=None)
@@ -179,7 +179,7 @@ def _note(section: _Section, step: _Step) -> None:
 
 
 def _starts_with_key(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> bool:
-    """Return whether a decoder that is put before this key begins with it, and it is one; or the
+    """Whether a decoder that is put before this key begins with it, and it is one; or the
     file's beginning, which always is.
 
     Some files call frames keys that are built on others: pictures refreshed bit by bit.

@@ -63,7 +63,7 @@ MOV: Final = FilmFormat(
 
 
 def can_write_films(kind: FilmFormat = MP4) -> bool:
-    """Return whether the installed PyAV brings the encoder."""
+    """Whether the installed PyAV brings the encoder."""
     return kind.codec in av.codecs_available
 
 

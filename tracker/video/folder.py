@@ -278,7 +278,7 @@ def _ascending(numbers: Sequence[int | None]) -> tuple[int, ...] | None:
 
 
 def _unevenness(numbers: Sequence[int | None]) -> str:
-    """Return which numbers in the names of the images are missing or doubled, in a sentence; empty
+    """Which numbers in the names of the images are missing or doubled, in a sentence; empty
     where none is, or where most would be: then they do not count images, but are times, say.
     """
     counted = Counter(number for number in numbers if number is not None)

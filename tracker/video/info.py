@@ -118,7 +118,7 @@ class Timecode:
         return cls(rate, first, of_files=True)
 
     def at(self, frame: int) -> str:
-        """Return the timecode of a frame of the film; a day has 24 hours."""
+        """The timecode of a frame of the film; a day has 24 hours."""
         dropped = _dropped(self.rate, self.mark)
         minute, tens = 60 * self.rate - dropped, 600 * self.rate - 9 * dropped
         number = (self.number + frame) % (_MINUTES // 10 * tens)
@@ -139,7 +139,7 @@ def timecode_in(tags: Iterable[Mapping[str, str]], fps: float) -> Timecode | Non
 
 
 def _dropped(rate: int, mark: str) -> int:
-    """Return how many numbers a minute drops, but for every tenth."""
+    """How many numbers a minute drops, but for every tenth."""
     return 0 if mark == ":" else 2 * round(rate / 30)
 
 

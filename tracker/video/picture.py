@@ -159,7 +159,7 @@ _DEPTHS = (10, 12, 14)
 
 
 def depth_of(frames: Iterable[av.VideoFrame]) -> int | None:
-    """Return how many bits the brightest value of pictures of sixteen bits needs: 10, 12 or 14, as
+    """How many bits the brightest value of pictures of sixteen bits needs: 10, 12 or 14, as
     cameras have them; None where it needs more, or the pictures have not sixteen.
     """
     brightest = max((_values(f)[..., :3].max() for f in frames if _is_deep(f)), default=0xFFFF)

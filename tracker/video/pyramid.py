@@ -43,7 +43,7 @@ class Window(NamedTuple):
 
     @property
     def is_empty(self) -> bool:
-        """Return whether it has no pixel."""
+        """Whether it has no pixel."""
         return self.left >= self.right or self.top >= self.bottom
 
     @property
@@ -52,7 +52,7 @@ class Window(NamedTuple):
         return level_sizes(self.right - self.left, self.bottom - self.top, LEVELS)
 
     def holds(self, other: Window) -> bool:
-        """Return whether all of another one lies within it."""
+        """Whether all of another one lies within it."""
         return self.joined(other) == self
 
     def joined(self, other: Window) -> Window:
@@ -239,7 +239,7 @@ class Prepared(NamedTuple):
     window: Window | None = None
 
     def holds(self, wanted: Window) -> bool:
-        """Return whether it shows all of a window that lies within the picture."""
+        """Whether it shows all of a window that lies within the picture."""
         return self.window is None or wanted.is_empty or self.window.holds(wanted)
 
     def seen_by(self, lens: Lens) -> Lens:
@@ -327,7 +327,7 @@ class Clip:
         return Overview(coarsest[..., 0] / STEPS, coarsest[..., 3])
 
     def slots(self, first_frame: int, last_frame: int) -> NDArray[np.int64]:
-        """Return where the frames first_frame … last_frame lie in the arrays; IndexError beyond
+        """Where the frames first_frame … last_frame lie in the arrays; IndexError beyond
         them.
         """
         if first_frame < self.first_frame or last_frame >= self.first_frame + len(self):

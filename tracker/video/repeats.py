@@ -105,7 +105,7 @@ def _copies(change: Array) -> list[tuple[int, int]]:
 
 
 def _usual(change: Array) -> Array:
-    """Return how much the picture changes around each frame: the third largest change near it, as
+    """How much the picture changes around each frame: the third largest change near it, as
     the largest may be cuts."""
     padded = np.pad(np.nan_to_num(change), NEAR)
     near = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEAR + 1)

@@ -103,7 +103,7 @@ class StillCamera:
 
 
 def still_camera(video: Video) -> StillCamera:
-    """Return whether the camera of a film stands still. Equal for equal frames.
+    """Whether the camera of a film stands still. Equal for equal frames.
 
     A film of fewer than three readable frames is never called still.
     """
@@ -207,7 +207,7 @@ def _small(grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _corner_shifts(pictures: list[NDArray[np.uint8]], away: list[NDArray[np.bool_]]) -> list[Array]:
-    """Return for every picture but the first the median way of the corners of each cell, pixels.
+    """For every picture but the first the median way of the corners of each cell, pixels.
 
     Corners at pixels that move in either picture do not count.
     """
@@ -239,7 +239,7 @@ def _standing(away: NDArray[np.bool_]) -> NDArray[np.uint8]:
 def _followed(
     first: NDArray[np.uint8], picture: NDArray[np.uint8], start: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Return where corners (K, 1, 2) are in another picture (K, 2), and whether they are found
+    """Where corners (K, 1, 2) are in another picture (K, 2), and whether they are found
     back.
     """
     reached, forward = _follow(first, picture, start)
@@ -269,7 +269,7 @@ def _medians(ways: NDArray[np.float32], cell: NDArray[np.int64]) -> Array:
 
 
 def _residual_shifts(picture: Grey, plate: Grey, away: NDArray[np.bool_]) -> Array:
-    """Return how far each cell of the background would have to be shifted to look as the picture
+    """How far each cell of the background would have to be shifted to look as the picture
     does.
 
     Linear least squares on the gradients of the background, outside moving pixels; cells whose

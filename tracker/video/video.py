@@ -124,7 +124,7 @@ class Video:
 
     @property
     def info(self) -> VideoInfo:
-        """Return what is known now. `missing` may grow while frames are read; and a file whose
+        """What is known now. `missing` may grow while frames are read; and a file whose
         frames differ from its packets is indexed anew, which may change everything.
         `damaged` grows with what is examined."""
         info = self._source.info
@@ -144,7 +144,7 @@ class Video:
 
     @property
     def is_closed(self) -> bool:
-        """Return whether it is closed."""
+        """Whether it is closed."""
         return self._closed
 
     def frame(self, index: int, shrink: int = 1) -> Picture:
@@ -178,7 +178,7 @@ class Video:
         return self._walk(start, stop, step)
 
     def sound_frames(self, start: int, stop: int) -> Iterator[tuple[int, Picture | None]]:
-        """Return the same as `frames`, with None for damaged ones too; what is not examined yet is
+        """The same as `frames`, with None for damaged ones too; what is not examined yet is
         examined.
         """
         for number, picture in self.frames(start, stop):
@@ -225,7 +225,7 @@ class Video:
                 self._with_damaged = None
 
     def note(self, index: int) -> str | None:
-        """Return what is known to be wrong with a frame's own file, in a sentence."""
+        """What is known to be wrong with a frame's own file, in a sentence."""
         return None
 
     def fingerprint(self) -> str:

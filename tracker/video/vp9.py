@@ -39,7 +39,7 @@ def inner_tiles(packet: bytes) -> list[Span]:
 
 
 def begins_with_key(packet: bytes) -> bool:
-    """Return whether the first frame of a packet is a key frame: built on nothing before it."""
+    """Whether the first frame of a packet is a key frame: built on nothing before it."""
     try:
         return _key_head(_Bits(packet)) is not None
     except IndexError:
@@ -85,7 +85,7 @@ def _key_head(bits: _Bits) -> tuple[int, bool] | None:
 
 
 def _tile_count(bits: _Bits) -> tuple[int, int]:
-    """Return how many tiles a key frame has, and the byte where they begin; else 0."""
+    """How many tiles a key frame has, and the byte where they begin; else 0."""
     head = _key_head(bits)
     if head is None:
         return 0, 0

@@ -101,7 +101,7 @@ def file_at(id: str, roots: Sequence[Path]) -> Path:
 
 
 def is_inside(path: Path, roots: Sequence[Path]) -> bool:
-    """Return whether it is there, in one of the folders once all links are followed."""
+    """Whether it is there, in one of the folders once all links are followed."""
     try:
         real = path.resolve(strict=True)
         return any(real.is_relative_to(root.resolve()) for root in roots)
@@ -110,12 +110,12 @@ def is_inside(path: Path, roots: Sequence[Path]) -> bool:
 
 
 def is_listed(name: str) -> bool:
-    """Return whether a folder may hold what somebody looks for."""
+    """Whether a folder may hold what somebody looks for."""
     return not name.startswith(".") and not name.endswith(MADE_BY_TOOLS)
 
 
 def is_hidden(place: str) -> bool:
-    """Return whether a part of a relative path is hidden, or leads upward."""
+    """Whether a part of a relative path is hidden, or leads upward."""
     return any(part.startswith(".") for part in Path(place).parts)
 
 
@@ -154,14 +154,14 @@ def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Ite
 
 
 def kind_of_folder(names: Sequence[str]) -> tuple[Kind, int]:
-    """Return what a folder with files of these names opens as, and how many of them there are."""
+    """What a folder with files of these names opens as, and how many of them there are."""
     what: Kind = "meshes" if are_meshes(names) else "images"
     suffixes = MESHES if what == "meshes" else IMAGES
     return what, sum(name.lower().endswith(suffixes) for name in names)
 
 
 def kind_of(path: Path) -> Kind | None:
-    """Return what a file opens as; None for what is not opened."""
+    """What a file opens as; None for what is not opened."""
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return "video" if suffix not in _ALSO_CODE or _is_transport_stream(path) else None
@@ -202,7 +202,7 @@ def _head(path: Path) -> bytes:
 
 
 def found_at(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> Iterator[Found]:
-    """Return what lies there, of the root of this number; nothing for a link to nowhere."""
+    """What lies there, of the root of this number; nothing for a link to nowhere."""
     try:
         facts = path.stat()
     except OSError:  # a link to nowhere

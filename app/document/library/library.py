@@ -101,7 +101,7 @@ class Library:
         }
 
     def folder(self, id: str) -> dict[str, Any]:
-        """Return what one folder holds, by its id, as the page wants it; the folders that may be
+        """What one folder holds, by its id, as the page wants it; the folders that may be
         looked into for an empty one. KeyposeError when it is none of them.
         """
         listing = list_folder(id, self.roots)
@@ -200,7 +200,7 @@ class Library:
         return path
 
     def session_for(self, video: Path) -> Path:
-        """Return where the session of a video lives; the file may not exist yet."""
+        """Where the session of a video lives; the file may not exist yet."""
         return session_for(video, self.workspace)
 
     def _saved(self, id: str) -> Path:
@@ -211,7 +211,7 @@ class Library:
         return path
 
     def _recent(self, id: str) -> Path:
-        """Return what to open: a session's file, or what it was begun from."""
+        """What to open: a session's file, or what it was begun from."""
         for one in self.recents():
             if one.id == id:
                 return Path(one.path) if Path(one.path).is_file() else Path(one.source)
@@ -277,7 +277,7 @@ class Library:
             return None
 
     def _behind_thumb(self, id: str) -> Path | None:
-        """Return what a picture is of; ids come from a page, so only known ones lead to a file."""
+        """What a picture is of; ids come from a page, so only known ones lead to a file."""
         for sample in bundled_samples(self._samples):
             if id == _SAMPLE_THUMB + sample.name:
                 return self._samples / sample.name / SESSION
@@ -285,7 +285,7 @@ class Library:
 
 
 def _is_saved(path: Path) -> bool:
-    """Return whether it is a session's own file, not what one was begun from."""
+    """Whether it is a session's own file, not what one was begun from."""
     return path.suffix == ".json"
 
 
@@ -319,7 +319,7 @@ def _recent_json(recent: Recent) -> dict[str, Any]:
 
 
 def _was_replaced(recent: Recent) -> bool:
-    """Return whether another video lies where the session's was."""
+    """Whether another video lies where the session's was."""
     video = Path(recent.video)
     try:
         if not recent.fingerprint or not video.is_file():

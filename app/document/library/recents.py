@@ -47,7 +47,7 @@ class Recent(BaseModel):
 
     @property
     def is_there(self) -> bool:
-        """Return whether it can be opened."""
+        """Whether it can be opened."""
         return Path(self.path).is_file() or bool(self.source and Path(self.source).exists())
 
     @property
@@ -63,7 +63,7 @@ class Recent(BaseModel):
         now_s: float,
         source: Path | None = None,
     ) -> Self:
-        """Return what is remembered of a session in this file, or of one that is begun from a
+        """What is remembered of a session in this file, or of one that is begun from a
         source.
         """
         return cls(
@@ -83,12 +83,12 @@ class Recent(BaseModel):
 
 
 def id_of(path: str) -> str:
-    """Return what the page calls the session in this file."""
+    """What the page calls the session in this file."""
     return hashlib.sha256(path.encode("utf-8", "surrogateescape")).hexdigest()[:16]
 
 
 def name_of(path: Path, title: str) -> str:
-    """Return what a person calls the session in this file."""
+    """What a person calls the session in this file."""
     return title or path.parent.name.removesuffix(SESSION_FOLDER) or path.stem
 
 
@@ -133,7 +133,7 @@ def spans_of(session: Session) -> list[Span]:
 
 
 def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Run, ...]:
-    """Return how the video's frames are covered, from the first to the last; equal neighbours
+    """How the video's frames are covered, from the first to the last; equal neighbours
     joined.
     """
     runs: list[Run] = []

@@ -103,7 +103,7 @@ class ThumbCache:
         return content
 
     def of_file(self, path: Path) -> bytes | None:
-        """Return the picture of a session, a video or a folder of images, as it is now. OSError
+        """The picture of a session, a video or a folder of images, as it is now. OSError
         where there is nothing.
         """
         facts = path.stat()

@@ -139,7 +139,7 @@ def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
 
 
 def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
-    """Return how well the picture determines every group of parts, hatched where too little."""
+    """How well the picture determines every group of parts, hatched where too little."""
     fitting, first, count = _shifted(subject)
     body = subject.session.subject.body
     table = observability(fitting, count, len(body.parts))

@@ -50,7 +50,7 @@ class Row:
         return next(iter(self.sides.values())).joint
 
     def moves(self) -> bool:
-        """Return whether any of its angles changes."""
+        """Whether any of its angles changes."""
         return any(
             np.nanmax(np.ptp(_known(one.angles_deg), axis=0), initial=0.0) > LEAST_MOTION_DEG
             for one in self.sides.values()
@@ -58,7 +58,7 @@ class Row:
 
 
 def legend(recording: Recording) -> Html:
-    """Return which colour is which side, and what is drawn beside curves."""
+    """Which colour is which side, and what is drawn beside curves."""
     sides = (element("span", part_label(side), class_=f"name {side}") for side in ("left", "right"))
     has_errors = any(one.errors_deg is not None for one in recording.joint_angles)
     more = "; bands: half of all angles are off by less; grey: not seen, or a guess in depth"
@@ -232,7 +232,7 @@ def _foot(part: str, more: str = "") -> Html:
 
 
 def _diagram(subject: Subject, gait: Gait) -> Html:
-    """Return when each foot is on the ground: all of it still, and from heel strike to toe off."""
+    """When each foot is on the ground: all of it still, and from heel strike to toe off."""
     scale = Scale(*subject.ends)
     rows = []
     for part in sorted({stance.part for stance in gait.stances}):

@@ -36,7 +36,7 @@ class Scale:
         return HEIGHT * (1.0 - min(max(share, 0.0), 1.0))
 
     def percent(self, frame: float) -> float:
-        """Return the share from the left."""
+        """The share from the left."""
         return self.x(frame) / WIDTH * 100
 
 
@@ -135,7 +135,7 @@ def drawing(*pieces: Child, words: str) -> Html:
 
 
 def nice_ticks(first: float, last: float, most: int) -> Sequence[int]:
-    """Return at most so many round whole numbers from first to last."""
+    """At most so many round whole numbers from first to last."""
     width = max(last - first, 1.0)
     powers = [10**k for k in range(10)]
     sizes = (digit * power for power in powers for digit in (1, 2, 5))

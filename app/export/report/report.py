@@ -157,7 +157,7 @@ def keyframes_section(subject: Subject) -> Html:
 
 
 def notes_section(subject: Subject, video: Video | None) -> Html:
-    """Return what a person wrote at frames, with the pictures of some of them."""
+    """What a person wrote at frames, with the pictures of some of them."""
     notes = subject.session.notes
     if not notes:
         return Html("")
@@ -177,7 +177,7 @@ def _noted_picture(subject: Subject, video: Video, frame: int) -> Html | None:
 
 
 def pictures_section(subject: Subject, video: Video | None) -> Html:
-    """Return what is in doubt, in all four views, and the body at every keyframe."""
+    """What is in doubt, in all four views, and the body at every keyframe."""
     if video is None:
         return Html("")
     doubtful = _doubtful(subject)

@@ -53,7 +53,7 @@ class Subject:
 
     @property
     def name(self) -> str:
-        """Return what a person calls it, else the folder's name, as in the page, or the video's."""
+        """What a person calls it, else the folder's name, as in the page, or the video's."""
         if self.session.title:
             return self.session.title
         folder = self.session_path.absolute().parent.name
@@ -97,7 +97,7 @@ class Subject:
         return sentence(track.verdict, *span)
 
     def time_s(self, frame: int) -> float:
-        """Return when a frame is shown, seconds; by the keyframes' times where the video is not at
+        """When a frame is shown, seconds; by the keyframes' times where the video is not at
         hand, NaN where these do not say.
         """
         if self.video is None and self.session.evidence.fps is None:

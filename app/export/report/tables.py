@@ -51,7 +51,7 @@ class ReportWords:
 
 
 def words_for(session: Session) -> ReportWords:
-    """Return the words of a session's evidence."""
+    """The words of a session's evidence."""
     return _WORDS.of(session)
 
 
@@ -151,7 +151,7 @@ def notes_table(subject: Subject) -> Html:
 
 
 def part_keyframes(session: Session) -> Html | None:
-    """Return which limbs were keyed alone, and where; None where none were."""
+    """Which limbs were keyed alone, and where; None where none were."""
     if not session.subject.part_keyframes:
         return None
     said = [
@@ -205,7 +205,7 @@ def _segment_row(subject: Subject, span: Span) -> list[Child]:
 
 
 def _scores(subject: Subject, span: Span) -> list[Child]:
-    """Return how well its motion fits, dashes where there is none."""
+    """How well its motion fits, dashes where there is none."""
     track = subject.fitting.get(span)
     found = track if track is not None and track.finished else None
     return [_number(words) for words in words_for(subject.session).scores(found)]

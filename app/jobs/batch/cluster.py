@@ -25,7 +25,7 @@ LONGEST_REASON = 200
 
 
 def do_remotely(task: Task) -> Summary:
-    """Return what a worker of the cluster runs."""
+    """What a worker of the cluster runs."""
     from keypose.app.jobs.batch.run_one import run_task
 
     return run_task(task, _ignore_step, Event())

@@ -36,7 +36,7 @@ def common_folder(sessions: Sequence[Path]) -> Path:
 
 
 def name_of(session: Path, folder: Path) -> str:
-    """Return what a session is called in a list of those in a folder; no two have the same name."""
+    """What a session is called in a list of those in a folder; no two have the same name."""
     place = session.relative_to(folder)
     if place.name != SESSION:
         return place.as_posix()

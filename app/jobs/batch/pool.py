@@ -92,7 +92,7 @@ class WorkerPool(Protocol):
     def submit(self, number: int, task: Task) -> None: ...
 
     def wait(self, seconds: float) -> Sequence[News]:
-        """Return what has happened, as soon as something has, at most so long."""
+        """What has happened, as soon as something has, at most so long."""
 
     def stop(self) -> None:
         """Let what is at work end soon; a summary still comes of each."""
@@ -145,7 +145,7 @@ class LocalPool:
 
     @property
     def pids(self) -> dict[int, int]:
-        """Return the process of every task at work."""
+        """The process of every task at work."""
         return {
             worker.number: worker.process.pid
             for worker in self._workers

@@ -69,7 +69,7 @@ def batch_html(entries: Sequence[Entry], seconds: float) -> bytes:
 
 
 def is_report(path: Path) -> bool:
-    """Return whether an earlier batch has written this file, so that it may be exchanged."""
+    """Whether an earlier batch has written this file, so that it may be exchanged."""
     try:
         return MARK in read_head(path, MARK_WITHIN)
     except OSError:
@@ -191,7 +191,7 @@ def _facts(summary: Summary) -> Html:
 
 
 def _found(path: Path) -> list[Child]:
-    """Return what a session on disk shows; KeyposeError when it cannot be read."""
+    """What a session on disk shows; KeyposeError when it cannot be read."""
     session = load_session(path)
     try:
         video = open_video_of(session, path)

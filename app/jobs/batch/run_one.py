@@ -77,7 +77,7 @@ def export_of(
     session: Path, folder: Path, out: Path | None, formats: tuple[str, ...],
     order: MotionOrder = AS_TRACKED,
 ) -> Export:  # fmt: skip
-    """Return where the files of a session in `folder` go: beside it, or to the same place below
+    """Where the files of a session in `folder` go: beside it, or to the same place below
     `out`.
 
     A session that is not called session.json gives its name to its files.

@@ -90,7 +90,7 @@ class Summary:
 
     @property
     def is_done(self) -> bool:
-        """Return whether nothing of it is left to do."""
+        """Whether nothing of it is left to do."""
         return self.state in ("tracked", "kept")
 
     def count(self, verdict: str) -> int:

@@ -60,7 +60,7 @@ def body(app_state: AppState) -> Json:
 
 
 def _clavicles(given: Body) -> bool | None:
-    """Return whether it has them; None where it cannot."""
+    """Whether it has them; None where it cannot."""
     return True if has_clavicles(given) else False if can_have_clavicles(given) else None
 
 
@@ -96,7 +96,7 @@ def _part(given: Body, part: Part) -> Json:
 
 
 def _corners_cm(part: Part) -> Json:
-    """Return the corners of a box, in its part's frame; none of others."""
+    """The corners of a box, in its part's frame; none of others."""
     corners = part.shape.corners()
     return [] if corners is None else (100 * corners).round(3).tolist()
 
@@ -110,7 +110,7 @@ def side_of(given: Body, name: str) -> str:
 
 
 def pose(app_state: AppState) -> Json:
-    """Return where every part stands at the present frame."""
+    """Where every part stands at the present frame."""
     edit = app_state.edit
     if edit is None:
         return None
@@ -142,7 +142,7 @@ def pose(app_state: AppState) -> Json:
 
 
 def _is_followed(edit: EditorState) -> bool:
-    """Return whether the pose at the present frame was found by tracking ahead."""
+    """Whether the pose at the present frame was found by tracking ahead."""
     draft = draft_at(edit, edit.frame)
     return draft is not None and draft.followed
 

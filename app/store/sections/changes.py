@@ -80,7 +80,7 @@ def _curve_poses(app_state: AppState) -> tuple[Any, ...]:
 
 
 def _in_hand(app_state: AppState) -> tuple[Any, ...]:
-    """Return what the motion that follows a gesture is made of."""
+    """What the motion that follows a gesture is made of."""
     edit = app_state.edit
     if edit is None or not moved_spans(edit):
         return ()
@@ -88,7 +88,7 @@ def _in_hand(app_state: AppState) -> tuple[Any, ...]:
 
 
 def _before_camera(app_state: AppState) -> tuple[Any, ...]:
-    """Return what of a camera that moves is seen otherwise at another frame."""
+    """What of a camera that moves is seen otherwise at another frame."""
     edit = app_state.edit
     path = None if edit is None else edit.doc.camera_path
     return (path, None if path is None or edit is None else edit.frame)
@@ -108,7 +108,7 @@ _TRACKED = _both(
 
 
 def _tinted(app_state: AppState) -> tuple[Any, ...]:
-    """Return what the pictures of observed surfaces are coloured by."""
+    """What the pictures of observed surfaces are coloured by."""
     edit = app_state.edit
     if edit is None or not edit.doc.evidence.has_surface:
         return ()

@@ -77,7 +77,7 @@ def _why_off(doc: Session, cue: Cue) -> str:
 
 
 def networks_here(_app_state: AppState) -> tuple[Any, ...]:
-    """Return which networks are on the disk: one can be added while the page is open; and how long
+    """Which networks are on the disk: one can be added while the page is open; and how long
     a frame of a draft takes by each, where it is known."""
     models = (*MODELS, *added_models())
     return tuple((model, model.is_here, seconds_a_frame(model.name)) for model in models)
@@ -106,7 +106,7 @@ def networks(app_state: AppState) -> Json:
 
 
 def network_label(model: Model) -> str:
-    """Return what a choice of network is called."""
+    """What a choice of network is called."""
     if model.heads is None:
         return f"BlazePose {model.name}"
     return f"{_CALLED.get(model.name, model.name)} + BlazePose"
@@ -118,7 +118,7 @@ SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
 
 
 def keypoints(app_state: AppState) -> Json:
-    """Return where each is, in pixels of the main view, how sure that is, and what a person said of
+    """Where each is, in pixels of the main view, how sure that is, and what a person said of
     it; null where nothing is known of this frame.
 
     Of an ignored one it is given where it was found, so that it can be put back.
@@ -203,7 +203,7 @@ def _unavailable(app_state: AppState, kind: Tint) -> str:
 
 
 def surface_version(edit: EditorState) -> str:
-    """Return what pictures of the surfaces differ by: where they lie, and what colours them.
+    """What pictures of the surfaces differ by: where they lie, and what colours them.
 
     A gesture under way does not count, nor do poses that a fit is still on its way to.
     """

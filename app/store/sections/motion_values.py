@@ -136,7 +136,7 @@ def _segment(
 
 
 def _verdict(track: SegmentResult, found: Problem | None) -> dict[str, Json]:
-    """Return what is said of a segment: its problem, which everything else that is said of it
+    """What is said of a segment: its problem, which everything else that is said of it
     names.
     """
     is_good = track.kind == "good"
@@ -190,7 +190,7 @@ def need(app_state: AppState) -> Json:
 
 
 def lanes(app_state: AppState) -> Json:
-    """Return how well each part is determined by the picture, 0 to 1, by frame."""
+    """How well each part is determined by the picture, 0 to 1, by frame."""
     edit = app_state.edit
     if edit is None:
         return {}
@@ -202,7 +202,7 @@ def lanes(app_state: AppState) -> Json:
 
 
 def job(app_state: AppState) -> Json:
-    """Return what the tracker is doing."""
+    """What the tracker is doing."""
     given = app_state.job
     return {
         "state": given.state,

@@ -23,7 +23,7 @@ from keypose.tracker.video import VideoInfo
 
 
 def file(app_state: AppState) -> Json:
-    """Return what is open."""
+    """What is open."""
     opened = app_state.opened
     if opened is None:
         return None
@@ -51,7 +51,7 @@ def file(app_state: AppState) -> Json:
 
 
 def _taken(info: VideoInfo, video: VideoReference) -> Json:
-    """Return how a film was taken, by its file and by what a person says."""
+    """How a film was taken, by its file and by what a person says."""
     return {
         "file_fps": None if info.container == "images" else info.fps,
         "recorded_fps": video.recorded_fps,
@@ -137,7 +137,7 @@ def _up_is_sure(doc: Session) -> bool:
 
 
 def found_up(app_state: AppState) -> Json:
-    """Return what was found of up, until something else is edited: the upright lines in the
+    """What was found of up, until something else is edited: the upright lines in the
     picture, and where ways disagree what each shows, to choose from."""
     found = app_state.up
     if found is None or found.estimate is None:
@@ -162,7 +162,7 @@ def found_up(app_state: AppState) -> Json:
 
 
 def image_version(app_state: AppState) -> str:
-    """Return what pictures are named by: they depend on the video and on the lens's distortion;
+    """What pictures are named by: they depend on the video and on the lens's distortion;
     those of observed surfaces on more.
 
     Browsers keep them by that name, also for the next video on the same port.
@@ -187,7 +187,7 @@ def small_view_rotations(app_state: AppState) -> Json:
 
 
 def view(app_state: AppState) -> Json:
-    """Return where one looks, and the switches."""
+    """Where one looks, and the switches."""
     edit = app_state.edit
     if edit is None:
         return None

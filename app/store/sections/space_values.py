@@ -55,7 +55,7 @@ def feet(app_state: AppState) -> Json:
 
 
 def ghosts(app_state: AppState) -> Json:
-    """Return where the parts stand at the keyframes before and after the present frame, and at a
+    """Where the parts stand at the keyframes before and after the present frame, and at a
     soft one here."""
     edit = app_state.edit
     if (
@@ -131,7 +131,7 @@ def pins(app_state: AppState) -> Json:
 
 
 def still(app_state: AppState) -> Json:
-    """Return for every pin, in their order, first and last frame at which the tracked part stands
+    """For every pin, in their order, first and last frame at which the tracked part stands
     still about its middle; null where it is not tracked.
     """
     edit = app_state.edit
@@ -155,7 +155,7 @@ def proposed_pins(app_state: AppState) -> Json:
 
 
 def floor(app_state: AppState) -> Json:
-    """Return where the floor is, whether pinned feet determine it, and how soles lie on it."""
+    """Where the floor is, whether pinned feet determine it, and how soles lie on it."""
     edit, doc = app_state.edit, doc_of(app_state)
     if edit is None or doc is None:
         return None
@@ -183,7 +183,7 @@ def _pin(body: Body, pin: Pin) -> dict[str, Json]:
 
 
 def pin_label(pin: Pin) -> str:
-    """Return what is held: "Left foot", "Left heel", "Left knee"."""
+    """What is held: "Left foot", "Left heel", "Left knee"."""
     if len(pin.landmarks) == 1:
         return part_label(pin.landmarks[0])
     if not pin.landmarks and pin.point_m is None and kind_of(pin.part) in _JOINTS_NAMED:
@@ -192,7 +192,7 @@ def pin_label(pin: Pin) -> str:
 
 
 def _found(edit: EditorState, pin: Pin) -> dict[str, Json]:
-    """Return what the solve found: how far it slides, and which keyframe is against it."""
+    """What the solve found: how far it slides, and which keyframe is against it."""
     found = pin_result(edit, pin)
     if found is None:
         return {"slides_cm": None, "keyframe": None, "problem": ""}
@@ -246,7 +246,7 @@ _WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyf
 
 
 def space(app_state: AppState) -> Json:
-    """Return what is wrong with the motion in space: sentence, part, frames, frame to go to, and
+    """What is wrong with the motion in space: sentence, part, frames, frame to go to, and
     what mends it with one press; the worst first.
     """
     edit = app_state.edit
@@ -291,7 +291,7 @@ def _guessed_up(edit: EditorState, rise_m: float) -> Json:
 
 
 def _is_accepted(known: JudgedSegments, found: SpaceFinding) -> bool:
-    """Return whether a person has said that the foot is right where it leaves the floor or as it is
+    """Whether a person has said that the foot is right where it leaves the floor or as it is
     pinned, or the limb as it points.
     """
     asked = found.kind in ("off_floor", "mirrored", "pulled", "bent")

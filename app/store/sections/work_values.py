@@ -58,7 +58,7 @@ def masks(app_state: AppState) -> Json:
 
 
 def settings(app_state: AppState) -> Json:
-    """Return how to track."""
+    """How to track."""
     doc = doc_of(app_state)
     given = doc.settings if doc else TrackSettings()
     source = doc.subject.first_motion.source if doc and doc.subject.first_motion else None
@@ -73,13 +73,13 @@ def settings(app_state: AppState) -> Json:
 
 
 def saved(app_state: AppState) -> Json:
-    """Return whether the session is on disk."""
+    """Whether the session is on disk."""
     given = app_state.saved
     return {"state": given.state, "at": given.at_s, "words": given.words}
 
 
 def undo(app_state: AppState) -> Json:
-    """Return what undo and redo would do."""
+    """What undo and redo would do."""
     edit = app_state.edit
     past, future = (edit.history.past, edit.history.future) if edit else ((), ())
     under_way = edit.stroke.label if edit and edit.stroke else None
@@ -90,12 +90,12 @@ def undo(app_state: AppState) -> Json:
 
 
 def clipboard(app_state: AppState) -> Json:
-    """Return whether a pose can be pasted."""
+    """Whether a pose can be pasted."""
     return app_state.edit is not None and app_state.edit.clipboard is not None
 
 
 def fit(app_state: AppState) -> Json:
-    """Return what the last fit did, until something else is edited."""
+    """What the last fit did, until something else is edited."""
     given = app_state.fit
     if given is None:
         return None
@@ -173,18 +173,18 @@ def _finite(figure: float | None) -> float | None:
 
 
 def _has_sides(doc: Session, part: str) -> bool:
-    """Return whether a kind of part is there on both sides."""
+    """Whether a kind of part is there on both sides."""
     return part not in doc.subject.body.names
 
 
 def is_latest_draft(app_state: AppState) -> bool:
-    """Return whether nothing was edited since the clip was drafted."""
+    """Whether nothing was edited since the clip was drafted."""
     doc = doc_of(app_state)
     return doc is not None and doc is app_state.draft
 
 
 def draft(app_state: AppState) -> Json:
-    """Return what the last draft of the clip found, until none of its drafts is left: the frames
+    """What the last draft of the clip found, until none of its drafts is left: the frames
     where nobody was found and nothing is posed or tracked yet, and the drafts that should be
     confirmed as keyframes, are shown, and of which nobody has said that the picture does not show
     it. first, last: of the frames drafted last; drafted: how many of them were; behind: of how many
@@ -230,7 +230,7 @@ def draft(app_state: AppState) -> Json:
 
 
 def people(app_state: AppState) -> Json:
-    """Return who was found in the picture of the present frame, the tallest first; None where
+    """Who was found in the picture of the present frame, the tallest first; None where
     nobody has looked. boxes: null where that was not done to the end."""
     edit = app_state.edit
     if edit is None or edit.frame not in app_state.people:

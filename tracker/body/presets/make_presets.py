@@ -381,7 +381,7 @@ def _limits(name: str) -> Limits:
 
 
 def _twist(name: str) -> Twist | None:
-    """Return the limit of twist of the right side; the left is mirrored."""
+    """The limit of twist of the right side; the left is mirrored."""
     twist = TWISTS.get(name.removeprefix("left_").removeprefix("right_"))
     if twist is None or not name.startswith("left_"):
         return twist

@@ -27,7 +27,7 @@ class Capsule(OneRadius):
 
     @property
     def cap_m(self) -> float:
-        """Return how high its ends are, along y."""
+        """How high its ends are, along y."""
         return min(self.radius_m, self.length_m / 2)
 
     @classmethod

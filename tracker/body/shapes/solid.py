@@ -70,23 +70,23 @@ class Solid(BaseModel, ABC):
     @property
     @abstractmethod
     def far_end(self) -> Point:
-        """Return where the solid ends on the side away from the joint."""
+        """Where the solid ends on the side away from the joint."""
 
     @property
     @abstractmethod
     def length_m(self) -> float:
-        """Return how long it is, along y."""
+        """How long it is, along y."""
 
     @property
     def span_y(self) -> tuple[float, float]:
-        """Return where along y it starts and ends: it ends on the side away from the joint."""
+        """Where along y it starts and ends: it ends on the side away from the joint."""
         y, half = self.centre[1], self.length_m / 2
         return (y - half, y + half) if y >= 0 else (y + half, y - half)
 
     @property
     @abstractmethod
     def width_m(self) -> float:
-        """Return how wide it is on average, across y."""
+        """How wide it is on average, across y."""
 
     @abstractmethod
     def half_widths(self, y: float) -> tuple[float, float]:

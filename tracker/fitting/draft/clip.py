@@ -322,7 +322,7 @@ class _DraftRun:
         return _Solved(seen, believed, Whole.of_joints(scene, joints, seen, first), motion)
 
     def _without_jumps(self, seen: Observed, motion: Trajectory) -> Observed:
-        """Return what poses are found from: without keypoints that jump."""
+        """What poses are found from: without keypoints that jump."""
         return seen.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
 
     def _with_ends(self, found: _Solved) -> Trajectory:

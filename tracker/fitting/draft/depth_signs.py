@@ -98,13 +98,13 @@ class Pointing:
         return np.flatnonzero(limbs.any(axis=(0, 2))).tolist()
 
     def of_limbs(self, limbs: Sequence[int]) -> Pointing:
-        """Return the same with nothing said for sure of the bones of other limbs."""
+        """The same with nothing said for sure of the bones of other limbs."""
         own = np.isin(np.arange(self.surer.shape[1]) // 2, limbs)
         return replace(self, surer=np.where(own, self.surer, 0.0))
 
 
 def pointing(joints: Joints, camera: Camera, p_hips: Array, motion: Trajectory) -> Pointing:
-    """Return how the bones of a motion of N frames should point by the network's landmarks.
+    """How the bones of a motion of N frames should point by the network's landmarks.
 
     camera: without distortion.  p_hips: (N, 12, 3) of the joints, finite.
     """

@@ -79,7 +79,7 @@ def _scaled(body: Body, joints: Joints, factors: dict[str, float]) -> Body:
 
 
 def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
-    """Return by part, and of trunk and shoulders, its length in the landmarks over the body's; None
+    """By part, and of trunk and shoulders, its length in the landmarks over the body's; None
     where too few frames show it.
     """
     names = joints.skeleton.body.names
@@ -157,7 +157,7 @@ def _with_lengths_of(joints: Joints, p_hips: Array) -> Array:
 
 
 def _trunk(joints: Joints, p: Array) -> Array:
-    """Return the vector from the middle of the hips to that of the shoulders, as long as on the
+    """The vector from the middle of the hips to that of the shoulders, as long as on the
     body.
     """
     ours = joints.rest[_SHOULDERS].mean(0) - joints.rest[_HIPS].mean(0)

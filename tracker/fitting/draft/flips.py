@@ -64,7 +64,7 @@ class LimbRun:
         return slice(self.first, self.last + 1)
 
     def overlaps(self, other: LimbRun) -> bool:
-        """Return whether both have rows in common."""
+        """Whether both have rows in common."""
         return self.first <= other.last and other.first <= self.last
 
 

@@ -95,7 +95,7 @@ class Joints:
         return cls(skeleton, parts, points, seen, rest, limbs, _ends(skeleton))
 
     def length_m(self, bone: Bone) -> float:
-        """Return the length of a bone on this body."""
+        """The length of a bone on this body."""
         return float(np.linalg.norm(self.rest[bone.far] - self.rest[bone.near]))
 
     def seen_length_m(self, bone: Bone) -> float:
@@ -295,7 +295,7 @@ class Observed:
 
 
 def _column(keypoints: Keypoints, p_hips: Array, name: str) -> tuple[Array, Array, Array]:
-    """Return one keypoint in all frames uv (N, 2), visibility (N,) and p_hips (N, 3); NaN and 0
+    """One keypoint in all frames uv (N, 2), visibility (N,) and p_hips (N, 3); NaN and 0
     where there is none of that name.
     """
     if name in keypoints.names:

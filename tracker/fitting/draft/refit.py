@@ -54,7 +54,7 @@ def learned_place(slopes: Array, missed_px: Array, pixel_m: Array) -> Array:
 
 
 def learned_depth(missed_m: Array) -> float:
-    """Return what a keypoint's depth lacks, metres; missed_m (R,): in R posed frames."""
+    """What a keypoint's depth lacks, metres; missed_m (R,): in R posed frames."""
     return float(missed_m.sum() / (len(missed_m) + (POSED_DEPTH_M / LEARNED_DEPTH_M) ** 2))
 
 

@@ -120,7 +120,7 @@ class Whole:
         return len(self.first)
 
     def cost(self, motion: Trajectory) -> float:
-        """Return what motions that have left and right otherwise are compared by."""
+        """What motions that have left and right otherwise are compared by."""
         return float(self._problem(slice(0, len(self)), Cauchy()).cost(motion))
 
     def solve(self, step: Callable[[int], None]) -> Trajectory:

@@ -156,7 +156,7 @@ def align_textures(
 def textures_near(
     inputs: FitInputs, near: Mapping[int, Pose], tracked: Mapping[int, Pose]
 ) -> list[Texture]:
-    """Return what keyframes and tracked frames near show of the body; together they weigh one."""
+    """What keyframes and tracked frames near show of the body; together they weigh one."""
     keyframes = [(pose, frame) for frame, pose in near.items()]
     wrong = np.zeros(inputs.scene.skeleton.part_count, np.bool_)
     if _is_independent(inputs, tracked):
@@ -175,7 +175,7 @@ def textures_near(
 
 
 def _is_independent(inputs: FitInputs, tracked: Mapping[int, Pose]) -> bool:
-    """Return whether tracking is independent of this keyframe: poses that were led through it share
+    """Whether tracking is independent of this keyframe: poses that were led through it share
     its error.
     """
     if inputs.frame not in tracked:

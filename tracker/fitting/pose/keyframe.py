@@ -90,7 +90,7 @@ class Joints:
         return cls(keyframe, term, solution.state)
 
     def gain(self, pose: Pose) -> float:
-        """Return by how much likelier a pose is than the one as set, nats."""
+        """By how much likelier a pose is than the one as set, nats."""
         before, after = (
             Posed.of(self.keyframe.scene.skeleton, some) for some in (self.keyframe.pose, pose)
         )
@@ -254,7 +254,7 @@ def _best_candidate(
 def _agree(
     inputs: FitInputs, outline: Outline, outlined: RefinedPose, as_posed: _Candidate
 ) -> bool:
-    """Return whether a pose fits the frames beside it so well that their poses are beyond doubt,
+    """Whether a pose fits the frames beside it so well that their poses are beyond doubt,
     and the outline agrees.
     """
     if as_posed.cost > AGREEING * _cost(inputs, as_posed.match, inputs.keyframe.pose):
@@ -296,7 +296,7 @@ def _start_poses(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
 
 
 def _cost(inputs: FitInputs, match: TextureMatch | None, pose: Pose) -> float:
-    """Return the cost by which one of several refined poses is chosen; lower is better."""
+    """The cost by which one of several refined poses is chosen; lower is better."""
     away = inputs.keyframe.away(pose) ** 2 @ inputs.keyframe.precision
     if match is None:
         return float(away)
@@ -310,7 +310,7 @@ def _is_better(
     outline: Outline | None,
     pose: Pose,
 ) -> bool:
-    """Return whether a pose fits the picture clearly better than the one as set, on the same
+    """Whether a pose fits the picture clearly better than the one as set, on the same
     pixels.
     """
     if match is not None:

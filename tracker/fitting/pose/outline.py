@@ -138,7 +138,7 @@ class Outline:
         return _histogram(self.steps[inside]) if inside.any() else behind
 
     def edges(self, shown: Raster, colours: Colours, reach_m: float) -> Edges:
-        """Return where the picture has the edges of the body as drawn, up to reach_m away."""
+        """Where the picture has the edges of the body as drawn, up to reach_m away."""
         reach_px = self.pixels(reach_m)
         v, u, part, other = _contour_pixels(shown)
         normal = _outward_normals(shown, v, u, part)
@@ -184,7 +184,7 @@ def separation(outline: Outline, pose: Pose) -> float:
 
 
 def gain(outline: Outline, before: Pose, after: Pose) -> float:
-    """Return by how much likelier (nats, mean) `after` makes the pixels that the two explain
+    """By how much likelier (nats, mean) `after` makes the pixels that the two explain
     otherwise.
 
     Colours are learnt from both alike, so that neither is scored by its own.

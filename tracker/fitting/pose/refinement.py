@@ -75,7 +75,7 @@ class EdgeDistances:
         return cls(outline.camera, edges.part, p_part, edges.normal, target, weights, thickness)
 
     def cost(self, posed: Posed) -> float:
-        """Return the cost at the best thicknesses."""
+        """The cost at the best thicknesses."""
         r = self._offsets_px(posed.points(self.part, self.p_part))
         precision, pull = self._thickness(r, posed.skeleton.part_count)
         return self._cost(r, precision, pull)

@@ -61,7 +61,7 @@ class Texture:
 def visible_points(
     scene: Scene, size: tuple[int, int], pose: Pose
 ) -> tuple[NDArray[np.uint8], Picture]:
-    """Return which surface points (S,) a pose shows in a picture of (height, width), and uvz (S,
+    """Which surface points (S,) a pose shows in a picture of (height, width), and uvz (S,
     3).
     """
     HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.visibility, size[1], size[0])[:6]
@@ -132,7 +132,7 @@ class PlacedTextures:
     def sums(
         self, posed: Posed, loss: int, widths: Sequence[float] | Array, gain: bool
     ) -> list[Sums]:
-        """Return the sums of every texture at a pose."""
+        """The sums of every texture at a pose."""
         HR, Ho = self.part_frames(posed)
         both = zip(self.textures, widths, strict=True)
         return [self._sum(texture, HR, Ho, loss, float(width), gain) for texture, width in both]
@@ -196,12 +196,12 @@ class TextureDifferences:
         return TUKEY if self.fine else HUBER
 
     def cost(self, posed: Posed) -> float:
-        """Return the cost at the best gains and biases, where they are free."""
+        """The cost at the best gains and biases, where they are free."""
         every = zip(self.placed.textures, self.width, self._scales(), strict=True)
         return sum(self._cost(posed, texture, width) * scale for texture, width, scale in every)
 
     def _cost(self, posed: Posed, texture: Texture, width: float) -> float:
-        """Return the cost of one texture, grey levels²."""
+        """The cost of one texture, grey levels²."""
         part, r, own = self.placed.residuals(posed, texture)
         kernel = Tukey(width) if self.fine else Huber(width)
         total = float(kernel.loss(np.abs(r)).sum())
@@ -227,7 +227,7 @@ class TextureDifferences:
         return Equations(A, b, np.nan)
 
     def _scales(self) -> list[float]:
-        """Return what a squared grey level counts, by texture."""
+        """What a squared grey level counts, by texture."""
         information = self.placed.scene.information(STRIDE) * STATED_INFORMATION
         both = zip(self.placed.textures, self.noise, strict=True)
         return [texture.weight * information / noise**2 for texture, noise in both]

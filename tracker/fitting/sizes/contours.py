@@ -118,7 +118,7 @@ def learn_colours(
 
 
 def _window(own: NDArray[np.bool_]) -> tuple[slice, slice]:
-    """Return what lies around a part, as far as it matters."""
+    """What lies around a part, as far as it matters."""
     margin = int(AROUND_PX) + 1
     spans = (np.flatnonzero(own.any(axis=1 - axis)) for axis in (0, 1))
     rows, columns = (slice(max(0, s[0] - margin), s[-1] + margin + 1) for s in spans)
@@ -126,7 +126,7 @@ def _window(own: NDArray[np.bool_]) -> tuple[slice, slice]:
 
 
 def _distance(inside: NDArray[np.bool_]) -> Map:
-    """Return how deep every pixel lies inside, pixels."""
+    """How deep every pixel lies inside, pixels."""
     return np.asarray(cv2.distanceTransform(inside.astype(np.uint8), cv2.DIST_L2, 3), np.float32)
 
 

@@ -45,7 +45,7 @@ class Proportions:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return what each group is called: "forearm" for both of them."""
+        """What each group is called: "forearm" for both of them."""
         return tuple(_kind(self.body, self.body.names[group[0]]) for group in self.groups)
 
     @cached_property

@@ -165,7 +165,7 @@ class KeyframePictures:
 def _floating(
     body: Body, poses: Sequence[Pose], Ts_world_camera: Array, up: Sequence[float]
 ) -> float:
-    """Return by how much the height of the body's lowest point varies along up (3,) of the world,
+    """By how much the height of the body's lowest point varies along up (3,) of the world,
     metres; Ts_world_camera (K, 4, 4) at the poses.
     """
     skeleton = Skeleton.of(body)

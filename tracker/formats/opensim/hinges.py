@@ -28,7 +28,7 @@ LIMBS: Final = (("upper_arm", "forearm", "hand"), ("thigh", "shin", "foot"))
 
 
 def with_hinges(body: Body, Rs_parent_part: Array) -> Array:
-    """Return Rs_parent_part (N, P, 3, 3), all known, of a person whose knees bend, and whose elbows
+    """Rs_parent_part (N, P, 3, 3), all known, of a person whose knees bend, and whose elbows
     bend and turn about the forearm's length, and do nothing else.
     """
     Rs = Rs_parent_part.copy()

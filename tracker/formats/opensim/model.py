@@ -168,7 +168,7 @@ class Scaled:
 
     @property
     def shows_tilt(self) -> bool:
-        """Return whether the markers show how the pelvis is turned: not all of its own lie in one
+        """Whether the markers show how the pelvis is turned: not all of its own lie in one
         line.
         """
         places = np.array([place for body, place in self.placed.values() if body == "pelvis"])

@@ -85,7 +85,7 @@ def own_rows(skeleton: Skeleton, rows: Sequence[Row]) -> list[Row]:
 
 
 def head_of(row: Row, places: dict[str, Array]) -> Array:
-    """Return where a bone begins in the world at rest."""
+    """Where a bone begins in the world at rest."""
     if not row.part:
         return np.zeros(3)
     own: Place = {next(part for part in row.part if part in places): 1.0}
@@ -116,7 +116,7 @@ def ends_of(
     skeleton: Skeleton, heads: Array, parents: NDArray[np.int64], parts: NDArray[np.int64],
     Ts_world_part: Array,
 ) -> Array:  # fmt: skip
-    """Return where bones end (B, 3): at the first child elsewhere, else at the end of their part,
+    """Where bones end (B, 3): at the first child elsewhere, else at the end of their part,
     else as far on as their parent is long.
     """
     ends = np.empty_like(heads)

@@ -59,7 +59,7 @@ def rest_pose(skeleton: Skeleton, arms_below_horizontal_deg: float | None) -> Ar
 
 
 def _directions(below_deg: float) -> dict[str, Array]:
-    """Return where the parts of arms and legs point."""
+    """Where the parts of arms and legs point."""
     below = np.deg2rad(below_deg)
     found: dict[str, Array] = {}
     for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
@@ -70,7 +70,7 @@ def _directions(below_deg: float) -> dict[str, Array]:
 
 
 def _along(skeleton: Skeleton, i: int) -> Array:
-    """Return where a part points in its own frame: to its first child's joint, or to its end."""
+    """Where a part points in its own frame: to its first child's joint, or to its end."""
     children = np.flatnonzero(skeleton.parents == i)
     end = skeleton.joints[children[0]] if len(children) else end_site(skeleton.body.parts[i])
     return flipped(np.asarray(end))

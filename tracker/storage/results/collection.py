@@ -75,7 +75,7 @@ class Results:
         return [stretch for stretch in found if stretch.key not in self.in_space]
 
     def space(self, session: Session) -> list[SpaceResult]:
-        """Return what is known of the session's motion in space."""
+        """What is known of the session's motion in space."""
         found = stretches(session, self._as_tracked(session))
         return [self.in_space[one.key] for one in found if one.key in self.in_space]
 
@@ -118,7 +118,7 @@ class Results:
 
 
 def _supersedes(one: SegmentResult, other: SegmentResult) -> bool:
-    """Return whether a result replaces another of the same key.
+    """Whether a result replaces another of the same key.
 
     A finished result is replaced only by a finished one that lacks no more of the work and has no
     lower quality.

@@ -103,7 +103,7 @@ def _key(session: Session, keys: dict[Span, str], path: Trajectory) -> str:
 
 
 def _goes_through(session: Session, path: Trajectory) -> bool:
-    """Return whether the motion ends at the keyframes' poses; open ends always fit."""
+    """Whether the motion ends at the keyframes' poses; open ends always fit."""
     skeleton = Skeleton.of(session.subject.body)
     at = {keyframe.frame: keyframe for keyframe in session.subject.keyframes}
     for frame in (path.first_frame, path.last_frame):

@@ -28,7 +28,7 @@ class PersonFinder:
         self._last = dict(self._first)
 
     def __call__(self, name: str, picture: NDArray[np.uint8]) -> Grey | None:
-        """Return the person's mask (H, W) in a picture (H, W, 3), RGB; None where nobody is."""
+        """The person's mask (H, W) in a picture (H, W, 3), RGB; None where nobody is."""
         height, width = picture.shape[:2]
         for region in dict.fromkeys((self._last[name], self._first[name])):
             rows = Rows.begun(region, self._network, picture, LOOKS)

@@ -181,7 +181,7 @@ class Rig(Plain):
         return rig.model_copy(update={"folder": path.absolute().parent})
 
     def placement(self, p_camera_surface: Array) -> Placement:
-        """Return how the file's world lies in a session's camera frame."""
+        """How the file's world lies in a session's camera frame."""
         return Placement(self.units, self.up, p_camera_surface)
 
     def views(self, p_camera_surface: Array) -> tuple[View, ...]:

@@ -27,7 +27,7 @@ from keypose.tracker.surface.mesh import SurfaceMesh
 
 
 def describe_unusable(problems: Mapping[int, str]) -> str:
-    """Return which steps these are, and what is wrong with the first of them; empty where there are
+    """Which steps these are, and what is wrong with the first of them; empty where there are
     none.
 
     problems: of each step a sentence, which is enough where it is one step.
@@ -68,7 +68,7 @@ class MeshSequence:
 
     @property
     def frame_count(self) -> int:
-        """Return how many steps there are, missing ones counted."""
+        """How many steps there are, missing ones counted."""
         return self._source.frame_count
 
     @property

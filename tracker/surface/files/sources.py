@@ -29,7 +29,7 @@ _MOST_GAPS: Final = 20
 
 
 def by_steps(paths: Sequence[Path]) -> tuple[Path | None, ...]:
-    """Return the file of every step; None where there is none.
+    """The file of every step; None where there is none.
 
     The last number that differs from name to name is the step's. Where all numbers are multiples
     of something apart (every tenth frame was exported), that is one step. Files without a number,
@@ -62,7 +62,7 @@ def printable(path: Path) -> str:
 
 
 def _varying(numbers: list[list[int]]) -> list[int]:
-    """Return of every name the last number that differs from name to name."""
+    """The last number of each name that differs from name to name."""
     if len({len(found) for found in numbers}) == 1:
         for column in reversed(list(zip(*numbers, strict=True))):
             if len(set(column)) > 1:
@@ -136,7 +136,7 @@ def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
 
 
 def source_at(path: Path) -> FolderSource:
-    """Return what lies at a path. SurfaceError where these are no meshes."""
+    """What lies at a path. SurfaceError where these are no meshes."""
     if path.is_dir():
         return FolderSource(by_steps(_meshes_in(path)))
     if not path.exists():

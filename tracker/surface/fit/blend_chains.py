@@ -70,7 +70,7 @@ def _complete(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]
 def _join_partial(
     skeleton: Skeleton, span: tuple[int, int], chains: Sequence[Sequence[Link]], missing: int
 ) -> JoinedChains:
-    """Return what unfinished chains have reached; beyond, the nearest pose before is kept."""
+    """What unfinished chains have reached; beyond, the nearest pose before is kept."""
     first, last = span
     keyed = {chain[0].frame: chain[0] for chain in chains}
     at = [{link.frame: link for link in chain} for chain in chains]

@@ -47,7 +47,7 @@ class PointReliability:
         return cls(nothing, nothing)
 
     def after(self, model: SurfaceModel, fit: SurfaceRegistration) -> PointReliability:
-        """Return the reliability after one more step, fitted with that model."""
+        """The reliability after one more step, fitted with that model."""
         pairs = fit.pairs
         there = slice(pairs.forward)
         gap = pairs.target[there] - fit.posed.p

@@ -128,7 +128,7 @@ class SurfaceFitter:
 
 
 def options_of(surface: Surface) -> Options:
-    """Return how a session has its surfaces fitted."""
+    """How a session has its surfaces fitted."""
     return Options(
         contact=surface.weights in ("both", "contact"),
         photo=surface.weights in ("both", "photo"),

@@ -77,7 +77,7 @@ def judge_links(
 
 
 def lies_off(model: SurfaceModel, pose: Pose) -> bool:
-    """Return whether the body, in the pose at which its surface was bound, lies elsewhere."""
+    """Whether the body, in the pose at which its surface was bound, lies elsewhere."""
     return model.off_share(pose) > OFF_SHARE
 
 
@@ -113,7 +113,7 @@ def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
 
 
 def unusable_steps(links: Sequence[Link]) -> tuple[str, ...]:
-    """Return what was wrong with steps that were left out, a few of them in full."""
+    """What was wrong with steps that were left out, a few of them in full."""
     problems = [link.problem for link in links if link.step is None and link.problem]
     more = len(problems) - MOST_LISTED
     rest = (f"{more} more steps could not be used either.",) if more > 0 else ()

@@ -133,7 +133,7 @@ def shares_of(
 
 
 def apart_m(to_solids: Array, p_surface: Array, p_solids: Array, far_m: float) -> float:
-    """Return how far a body and its surface lie apart, metres.
+    """How far a body and its surface lie apart, metres.
 
     The larger of two: how far the surface's points are from the nearest solid, on average, which
     is large for a body that lies elsewhere or is too small; and how far the nearest quarter of the
@@ -267,7 +267,7 @@ class SurfaceModel:
         return replace(self, trust=frozen(trust))
 
     def off_share(self, pose: Pose) -> float:
-        """Return how far the body's solids and the surface lie apart, over the surface's size.
+        """How far the body's solids and the surface lie apart, over the surface's size.
 
         pose: the one at which the surface was bound.
         """

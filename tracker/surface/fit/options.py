@@ -38,5 +38,5 @@ class Options:
     offset: bool = True
 
     def at(self, quality: Quality) -> Options:
-        """Return options with less work for a quick look."""
+        """Options with less work for a quick look."""
         return replace(self, points=700, solves=10) if quality == "preview" else self

@@ -159,7 +159,7 @@ def _nearest(
 
 
 def _mutual_pair_weight(square: Array, partner: Array, near: float) -> Array:
-    """Return how much a pair counts when its partner has a better one of its own.
+    """How much a pair counts when its partner has a better one of its own.
 
     A hand whose surface is missing is near the hip's, but that has the hip to lie on; so has the
     model's arm beside a volume that is not there. square, partner: squared distances of a point to

@@ -60,7 +60,7 @@ class Turns:
 
 
 def turns_seen(model: SurfaceModel, weights: Array) -> Turns:
-    """Return what the surface shows of every turn where its points count by weights (V,), 0 to 1.
+    """What the surface shows of every turn where its points count by weights (V,), 0 to 1.
 
     What moves along the surface is not seen to move. So a turn is as certain as the motion across
     the surface is large beside all motion, and beside what normals wander.
@@ -233,7 +233,7 @@ class _Step(Problem[tuple[Pose, Array], _Iterate]):
         return moved(self.model.skeleton, state[0], step), state[1] + step
 
     def travel(self, here: _Iterate, there: _Iterate, step: Array) -> float:
-        """Return what points move on the average, over the surface's size."""
+        """What points move on the average, over the surface's size."""
         away = np.linalg.norm(there.posed.p - here.posed.p, axis=1).mean()
         return float(away / self.model.size_m)
 

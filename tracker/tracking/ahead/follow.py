@@ -44,7 +44,7 @@ class DirectedFrames:
 
     @property
     def sign(self) -> int:
-        """Return what one step adds to the frame."""
+        """What one step adds to the frame."""
         return 1 if self.direction == "forward" else -1
 
     def frame_at(self, step: int) -> int:
@@ -64,7 +64,7 @@ class DirectedFrames:
         return _Steps(clip, damaged, slots)
 
     def keypoints(self, found: Keypoints, steps: int) -> Keypoints:
-        """Return the keypoints of so many steps, by step."""
+        """The keypoints of so many steps, by step."""
         over = found.over(*self.span(steps))
         rows = slice(None, None, self.sign)
         depth = None if over.p_hips is None else over.p_hips[rows]
@@ -92,7 +92,7 @@ class _Steps(Clip):
         return len(self.places)
 
     def slots(self, first_frame: int, last_frame: int) -> NDArray[np.int64]:
-        """Return where these steps lie in the arrays; IndexError beyond them."""
+        """Where these steps lie in the arrays; IndexError beyond them."""
         if first_frame < 0 or last_frame >= len(self):
             raise IndexError(f"steps {first_frame} to {last_frame} are not all in the clip")
         return np.ascontiguousarray(self.places[first_frame : last_frame + 1])
@@ -159,7 +159,7 @@ _WHERE: Final = {"forward": "last", "backward": "first"}
 
 
 def _reach(tracker: Tracker, line: DirectedFrames, longest: int) -> tuple[int, StopCause]:
-    """Return how many steps may be followed, and what ends them."""
+    """How many steps may be followed, and what ends them."""
     last = tracker.frame_count - 1
     to_end = last - line.frame if line.direction == "forward" else line.frame
     others = [line.sign * (key - line.frame) for key in tracker.keyposes]
@@ -218,7 +218,7 @@ class _AheadRun:
     def _judged(
         self, followed: ForwardPass, scene: Scene, count: int, *, is_last: bool
     ) -> Stopped | None:
-        """Return where a motion over so many steps stops to be trusted."""
+        """Where a motion over so many steps stops to be trusted."""
         is_short = len(followed.motion) <= count  # it left the space before the camera
         halt = stopped(scene, followed, is_last=is_last or is_short)
         if halt is None and is_short:
@@ -226,7 +226,7 @@ class _AheadRun:
         return halt
 
     def _pictures(self, count: int, steps: int) -> Clip:
-        """Return the pictures of the first `count` steps; of one size throughout."""
+        """The pictures of the first `count` steps; of one size throughout."""
         line = self.line
         return line.clip(self.tracker.loader(line.span(steps)).load(*line.span(count)), count)
 
@@ -285,7 +285,7 @@ class _AheadRun:
         return anchors_of(free, segment, camera, by_step, open_end=True, followed=followed)
 
     def _reported(self, work: Generator[Pass, None, ForwardPass]) -> ForwardPass:
-        """Return what the work comes to; every motion on the way is emitted."""
+        """What the work comes to; every motion on the way is emitted."""
         while True:
             try:
                 step = next(work)

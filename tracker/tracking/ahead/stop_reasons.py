@@ -62,13 +62,13 @@ class Stopped:
 
 
 def pictures_end(clip: Clip) -> Stopped | None:
-    """Return where the pictures themselves end a motion; None where they do not. clip: by step."""
+    """Where the pictures themselves end a motion; None where they do not. clip: by step."""
     found = [*_bare(_damaged(clip), "damaged"), *_bare(_cut(clip), "cut")]
     return min(found, key=lambda each: each.step, default=None)
 
 
 def stopped(scene: Scene, followed: ForwardPass, *, is_last: bool) -> Stopped | None:
-    """Return where a followed motion stops first; None where nothing speaks against it so far.
+    """Where a followed motion stops first; None where nothing speaks against it so far.
 
     is_last: nothing is followed beyond it. A doubt that has only begun counts then, which may else
     pass again.

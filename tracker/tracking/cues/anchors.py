@@ -119,7 +119,7 @@ class Anchors:
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
 
     def of_rows(self, rows: slice) -> Anchors:
-        """Return the anchors of some frames alone."""
+        """The anchors of some frames alone."""
         return replace(self, **{name: getattr(self, name)[rows] for name in BY_FRAME})
 
     def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
@@ -180,7 +180,7 @@ def anchors_of(
 def keyframe_off_person(
     scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints
 ) -> int | None:
-    """Return the one of both keyframes whose body is not where keypoints show the person; None
+    """The one of both keyframes whose body is not where keypoints show the person; None
     where both are, or both are not: they may be another person's then.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
@@ -202,7 +202,7 @@ def frame_anchors(
     scene: Scene, camera: Camera, seen: Keypoints, pose: Pose,
     keyed: Sequence[tuple[Pose, Keypoints]], kernel: Kernel,
 ) -> PointsInPicture | None:  # fmt: skip
-    """Return what the keypoints of one frame say of its pose; None where they lie on another body.
+    """What the keypoints of one frame say of its pose; None where they lie on another body.
 
     keyed: other frames' poses and keypoints, which show where on its part a detector puts a joint.
     The poses also show which side is which.

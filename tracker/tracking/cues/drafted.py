@@ -79,7 +79,7 @@ def drafted_over(
     camera: Camera,
     path: CameraPath | None = None,
 ) -> Keypoints | None:
-    """Return a draft's keypoints from the first frame to the last; None where a pose lies beside
+    """A draft's keypoints from the first frame to the last; None where a pose lies beside
     them, or where somebody was not seen at all of these frames.
 
     posed: poses of the body as it was filmed, by frame.  camera: of the video, with its distortion.
@@ -99,7 +99,7 @@ def drafted_over(
 def _lies_on(
     seen: Keypoints, on_body: PointsOnBody, skeleton: Skeleton, pose: Pose, camera: Camera
 ) -> bool:
-    """Return whether a posed body lies where keypoints of one frame show the person, whichever side
+    """Whether a posed body lies where keypoints of one frame show the person, whichever side
     they take for the left one."""
     Ts = pose_transforms(skeleton, pose)[on_body.part]
     p = apply_transform(Ts, on_body.point[:, None])[:, 0]

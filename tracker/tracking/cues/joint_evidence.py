@@ -141,13 +141,13 @@ class JointEvidence:
 
     @property
     def is_good(self) -> bool:
-        """Return whether joints are expected to be off by little, in the mean and each."""
+        """Whether joints are expected to be off by little, in the mean and each."""
         between, most = self._between, GOOD if np.isfinite(self.apart).any() else GOOD_ALONE
         return not between.size or bool(between.mean() <= most and between.max() <= GOOD_JOINT)
 
     @property
     def is_lost(self) -> bool:
-        """Return whether many joints are expected to be off by far."""
+        """Whether many joints are expected to be off by far."""
         between = self._between
         return bool(between.size and (between > LOST).mean() > LOST_SHARE)
 

@@ -66,7 +66,7 @@ MEDIAN_OF_SIZES = 0.6745
 
 
 def increment_scale(segment: Segment, chains: Chains, measured: Increments) -> float:
-    """Return how many times as far as usual the chains miss the keyframes, from 1.
+    """How many times as far as usual the chains miss the keyframes, from 1.
 
     chains: the body followed from both keyframes.  measured: the steps between, with their doubts.
     The median over all degrees of freedom: one limb that was lost says nothing of the others.

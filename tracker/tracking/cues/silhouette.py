@@ -119,7 +119,7 @@ def silhouette_mismatch(
 
 
 def outlines_of(seen: Keypoints | None, camera: Camera, size: WorkingSize) -> Outlines:
-    """Return where a network saw the person, in the pictures of a clip; nowhere where it did not.
+    """Where a network saw the person, in the pictures of a clip; nowhere where it did not.
 
     camera: of the video, with its distortion.  size: of the clip.
     """
@@ -262,7 +262,7 @@ def _shares(window: _Window, tones: Array) -> Array:
 def _nearest_part(
     shown: NDArray[np.int16], covered: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.int16]]:
-    """Return how far every pixel lies from the body, pixels, and which part lies nearest."""
+    """How far every pixel lies from the body, pixels, and which part lies nearest."""
     distance, label = cv2.distanceTransformWithLabels(
         (~covered).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )

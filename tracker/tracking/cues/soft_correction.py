@@ -75,21 +75,21 @@ class Correction:
         return MotionProblem(skeleton, self.frame_terms(unknown, kernel), links, unknown)
 
     def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
-        """Return what the poses of some frames, or that of one, are compared with by themselves."""
+        """What the poses of some frames, or that of one, are compared with by themselves."""
         posed = [self.segment.start.Rs_parent_part, self.segment.end.Rs_parent_part]
         limits = Limits.of(self.scene.skeleton.body).widened(posed[: 1 if self.open_end else 2])
         anchored = self.anchors.terms(self.scene.camera, kernel, frames)
         return *anchored, JointLimits(limits, LIMIT_RAD)
 
     def cost(self, motion: Trajectory, measured: Increments) -> float:
-        """Return what motions from different starts are compared by: the anchors, the limits, and
+        """What motions from different starts are compared by: the anchors, the limits, and
         how far each step is from what the picture shows there.
         """
         return float(self.problem(measured, Cauchy(), bend=None).cost(motion))
 
 
 def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> Increments:
-    """Return what a pass measured at the present motion, with its doubts."""
+    """What a pass measured at the present motion, with its doubts."""
     skeleton = scene.skeleton
     led = Posed(skeleton, motions.Rs_parent_part, motions.ps_camera_root)
     R, t = present.Rs_parent_part[:-1], present.ps_camera_root[:-1]

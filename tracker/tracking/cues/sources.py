@@ -53,7 +53,7 @@ class FrameSource(Protocol):
     """What finds the keypoints of single frames."""
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        """Return the keypoints of a frame in which the body is posed; None where nobody is
+        """The keypoints of a frame in which the body is posed; None where nobody is
         found.
         """
 
@@ -65,7 +65,7 @@ class KeypointSource(FrameSource, Protocol):
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
-        """Return the keypoints of a segment's frames; None where nobody is found.
+        """The keypoints of a segment's frames; None where nobody is found.
 
         report: called again and again; what it raises ends the search within a frame.
         """
@@ -73,7 +73,7 @@ class KeypointSource(FrameSource, Protocol):
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
     ) -> Keypoints | None:
-        """Return the keypoints from a frame in which the body is posed up to another, before or
+        """The keypoints from a frame in which the body is posed up to another, before or
         after it, in the order of frames; None where nobody is found.
 
         report: as above.
@@ -139,7 +139,7 @@ class DetectedKeypoints:
         posed: Mapping[int, Pose],
         report: Callable[[Progress], None],
     ) -> Keypoints | None:
-        """Return the keypoints of all frames from the first to the last; None where nobody is
+        """The keypoints of all frames from the first to the last; None where nobody is
         found.
 
         posed: poses of the body by frame, of one or more of these.  report: called before each
@@ -302,7 +302,7 @@ def found_before(
     model: Model,
     path: CameraPath | None = None,
 ) -> Keypoints | None:
-    """Return what a network found in a segment when it was tracked last, with no look at the film;
+    """What a network found in a segment when it was tracked last, with no look at the film;
     None where it did not, or nobody keeps it any more.
 
     posed: the keyposes of the segment's first and last frame, by frame.  camera, film, model,

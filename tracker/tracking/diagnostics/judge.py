@@ -84,7 +84,7 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
 
 
 def _is_noise(segment: Segment) -> bool:
-    """Return whether the pictures, in the median, show nothing but black or noise."""
+    """Whether the pictures, in the median, show nothing but black or noise."""
     frames = segment.first_frame, segment.last_frame
     return _NOISE.get(segment.clip, frames, lambda: _show_noise(segment.clip, *frames))
 
@@ -298,7 +298,7 @@ def _carrier(scene: Scene, part: int) -> int:
 
 
 def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last: int) -> bool:
-    """Return whether the part was tracked but not seen in most of these frames."""
+    """Whether the part was tracked but not seen in most of these frames."""
     start = segment.first_frame + 1
     within = slice(first - start, last - start + 1)
     looked = seen.diagnostics.rank[within] >= 0

@@ -132,13 +132,13 @@ def _imported(scene: Scene, segment: Segment, method: Keypose | Paper) -> Starts
 
 
 def _is_doubtful(scene: Scene, chains: Chains, interpolated: Trajectory, both: Trajectory) -> bool:
-    """Return whether interpolation may be better than the chains."""
+    """Whether interpolation may be better than the chains."""
     apart = distance_px(scene, *chains).mean()
     return bool(apart > DOUBT * distance_px(scene, interpolated, both).mean())
 
 
 def _is_unsure(scene: Scene, chains: Chains | None, base: Trajectory) -> bool:
-    """Return whether the chains lie so far apart somewhere that templates may be better."""
+    """Whether the chains lie so far apart somewhere that templates may be better."""
     if chains is None:
         return True
     if len(base) < 3:

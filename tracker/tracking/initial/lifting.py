@@ -68,7 +68,7 @@ def _is_followed(tracks: LimbTracks) -> NDArray[np.bool_]:
 def _fit(
     scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks, kernel: Kernel
 ) -> MotionProblem:
-    """Return what a motion is compared with. kernel: that of the tracks; the prior has Huber's."""
+    """What a motion is compared with. kernel: that of the tracks; the prior has Huber's."""
     skeleton = scene.skeleton
     followed = _is_followed(tracks)
     sigma = np.maximum(np.where(followed, tracks.sigma_px[:, 1:-1], 1.0), LEAST_TRACK_PX)

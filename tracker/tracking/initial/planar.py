@@ -175,7 +175,7 @@ def _angles(keyed: FirstKeyframe, carried: Trajectory, limb: TwoLinks) -> tuple[
 
 
 def _links(keyed: FirstKeyframe, motion: Trajectory, limb: TwoLinks) -> tuple[Array, Array, Array]:
-    """Return in the picture, (N, 2), where a limb begins, and its upper and lower link."""
+    """In the picture, (N, 2), where a limb begins, and its upper and lower link."""
     origin = np.zeros(3)
     hip = keyed.scene.point_pixels(motion, limb.upper, origin)
     knee = keyed.scene.point_pixels(motion, limb.lower, origin)
@@ -183,7 +183,7 @@ def _links(keyed: FirstKeyframe, motion: Trajectory, limb: TwoLinks) -> tuple[Ar
 
 
 def _is_planar(scene: Scene, motion: Trajectory, limb: TwoLinks, L1: Array, L2: Array) -> bool:
-    """Return whether both keyframes show both links (2,) about as long as they are."""
+    """Whether both keyframes show both links (2,) about as long as they are."""
     Ts = motion.transforms(scene.skeleton)[[0, -1]]
     hip, knee = Ts[:, limb.upper, :3, 3], Ts[:, limb.lower, :3, 3]
     end = Ts[:, limb.leaf, :3, :3] @ limb.p_leaf + Ts[:, limb.leaf, :3, 3]

@@ -64,7 +64,7 @@ class KeptOutcomes:
         self._lock = Lock()
 
     def get(self, kind: Kind) -> Outcome | None:
-        """Return the outcome of this kind; of a preview also a better one of the same segment, so
+        """The outcome of this kind; of a preview also a better one of the same segment, so
         that nothing but a limb is seen to change while it is corrected.
         """
         key, quality, _ = kind
@@ -119,7 +119,7 @@ def corrected(
 
 
 def _beside(base: Trajectory, now: Trajectory, limb: KeyedLimb, skeleton: Skeleton) -> Trajectory:
-    """Return what a limb is tracked beside: the motion without corrections, but for its
+    """What a limb is tracked beside: the motion without corrections, but for its
     counterpart.
     """
     other = np.array(other_side(skeleton, limb.parts), dtype=np.int64)
@@ -127,7 +127,7 @@ def _beside(base: Trajectory, now: Trajectory, limb: KeyedLimb, skeleton: Skelet
 
 
 def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
-    """Return how many trajectories `corrected` is expected to yield, with so many of a whole
+    """How many trajectories `corrected` is expected to yield, with so many of a whole
     segment.
     """
     limbs = keyed_limbs(skeleton, keyed)
@@ -164,7 +164,7 @@ def _whole(
     work: Generator[Pass, None, Outcome | None], found: Sequence[Trajectory], k: int,
     tried: list[Pass], rest: Trajectory, limb: KeyedLimb,
 ) -> Generator[Pass, None, Outcome | None]:  # fmt: skip
-    """Return what is found of the kth piece as a motion of all pieces and the rest."""
+    """What is found of the kth piece as a motion of all pieces and the rest."""
     while True:
         try:
             step = next(work)

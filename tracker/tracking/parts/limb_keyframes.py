@@ -76,7 +76,7 @@ class KeyedLimb:
 
 
 def keyed_limbs(skeleton: Skeleton, keyed: Sequence[KeyedParts]) -> list[KeyedLimb]:
-    """Return what is exact at some frames by limbs, which can be corrected one after another."""
+    """What is exact at some frames by limbs, which can be corrected one after another."""
     anywhere = np.zeros(skeleton.part_count, dtype=np.bool_)
     for each in keyed:
         anywhere[each.parts] = True

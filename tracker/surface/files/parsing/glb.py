@@ -52,7 +52,7 @@ def read_glb(file: BinaryIO) -> RawMesh:
 
 
 def read_document(file: BinaryIO) -> dict[str, Any]:
-    """Return what a GLB file says of itself. Refused where it is none, or cut short."""
+    """What a GLB file says of itself. Refused where it is none, or cut short."""
     size = file.seek(0, os.SEEK_END)
     file.seek(0)
     head = file.read(20)

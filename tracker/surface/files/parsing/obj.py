@@ -60,7 +60,7 @@ def _require_text(file: BinaryIO) -> None:
 
 
 def _arguments(lines: list[bytes], which: NDArray[np.bool_]) -> list[bytes]:
-    """Return what follows the letter on these lines, without comments."""
+    """What follows the letter on these lines, without comments."""
     return [lines[k][1:].partition(b"#")[0] for k in np.flatnonzero(which)]
 
 

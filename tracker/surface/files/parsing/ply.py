@@ -63,7 +63,7 @@ class Element:
 
     @property
     def least_bytes(self) -> int:
-        """Return what its rows take at least in a binary file: every list empty."""
+        """What its rows take at least in a binary file: every list empty."""
         return self.rows * sum(np.dtype(c.counted or c.type).itemsize for c in self.columns)
 
 

@@ -138,11 +138,11 @@ class FirstKeyframe:
         return cls(scene, segment, shown, seen.part)
 
     def name(self, part: int) -> str:
-        """Return what a person calls a part."""
+        """What a person calls a part."""
         return readable(self.scene.skeleton.body.names[part])
 
     def template(self, part: int, uv: Array, also: Collection[int] = ()) -> Rotatable:
-        """Return what the first keyframe shows of a part, and of others that go with it."""
+        """What the first keyframe shows of a part, and of others that go with it."""
         wanted = np.isin(self.shows, [part, *also]).astype(np.uint8)
         seen = np.argwhere(self.shows == part)
         extent = np.ptp(seen, axis=0).max() if len(seen) else 0

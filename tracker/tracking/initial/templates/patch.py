@@ -112,7 +112,7 @@ class Patch:
         cls, picture: FloatPicture, place: Place, half: int,
         counts: NDArray[np.bool_],
     ) -> Patch | None:  # fmt: skip
-        """Return what lies about a place of a picture, turned upright; None where too little
+        """What lies about a place of a picture, turned upright; None where too little
         counts.
 
         counts: (h, w) the picture's pixels that count, or (S, S) those of the piece.
@@ -157,7 +157,7 @@ class Patch:
         return PatchMatch(place, float(alike), self._correlation(picture, place), sigma)
 
     def _correlation(self, picture: FloatPicture, place: Place) -> float:
-        """Return how the brightness of the patch and that of the picture at a place go together."""
+        """How the brightness of the patch and that of the picture at a place go together."""
         u, v, turn, log_scale = place
         c, s = np.exp(log_scale) * np.cos(turn), np.exp(log_scale) * np.sin(turn)
         columns = (u + c * self.xy[:, 0] - s * self.xy[:, 1]).astype(np.float32)

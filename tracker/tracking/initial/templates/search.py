@@ -90,7 +90,7 @@ def cut(
 
 
 def find_match(template: Template, shown: GreyPicture, uv: Array, reach: int) -> Match:
-    """Return where a template fits best within `reach` pixels of a predicted place."""
+    """Where a template fits best within `reach` pixels of a predicted place."""
     column, row = np.rint(np.asarray(uv) - template.offset).astype(int)
     v, u, total, _ = find_sequentially(
         shown.grey, template.grey, template.wanted, template.rows,

@@ -104,7 +104,7 @@ def two_link_limbs(skeleton: Skeleton) -> list[TwoLinks]:
 
 
 def _moves_on(skeleton: Skeleton, lower: int, leaf: int) -> bool:
-    """Return whether the lower link is long enough to show how it is turned."""
+    """Whether the lower link is long enough to show how it is turned."""
     p = skeleton.joints[leaf] if leaf != lower else middle(skeleton, leaf)
     return bool(np.linalg.norm(p) > 1e-3)
 
@@ -116,7 +116,7 @@ def middle(skeleton: Skeleton, part: int) -> Array:
 
 
 def is_left_out(skeleton: Skeleton, part: int, left_out: Collection[str]) -> bool:
-    """Return whether a part, or any other part of its limb, is among these names."""
+    """Whether a part, or any other part of its limb, is among these names."""
     limb = np.flatnonzero(skeleton.limbs == skeleton.limbs[part])
     return any(skeleton.body.names[i] in left_out for i in limb)
 
@@ -185,7 +185,7 @@ class Anchor:
 
 
 def find_anchor(scene: Scene, point: FollowedPoint, T: Array, seen: Raster, half: int) -> Anchor:
-    """Return where a keyframe shows the part about a point.
+    """Where a keyframe shows the part about a point.
 
     T (4, 4): the part in the camera frame. The pixel nearest to where the point would be seen
     through the part is taken, if it lies within `half` pixels along both axes.
@@ -234,7 +234,7 @@ def _about(scene: Scene, anchor: Anchor) -> NDArray[np.int64]:
 def _seen_count(
     scene: Scene, T: Array, chosen: NDArray[np.int64], depth: NDArray[np.float32]
 ) -> int:
-    """Return how many of these surface points are seen, their part at T (4, 4)."""
+    """How many of these surface points are seen, their part at T (4, 4)."""
     p_camera = scene.points.points[chosen].astype(np.float64) @ T[:3, :3].T + T[:3, 3]
     normals = scene.points.normals[chosen].astype(np.float64) @ T[:3, :3].T
     facing = np.einsum("ij,ij->i", normals, p_camera) < 0
@@ -263,7 +263,7 @@ def limb_tracks(
     left_out: Collection[str] = (),
     chains: Chains | None = None,
 ) -> LimbTracks:
-    """Return where the ends of limbs are seen.
+    """Where the ends of limbs are seen.
 
     Every point is followed twice, as either keyframe shows it: they may show different sides of a
     part. chains: the body followed from both keyframes, if known.
