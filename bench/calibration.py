@@ -21,7 +21,8 @@ CORNER = 2.4 / TALL_PX
 """Where a product of powers, a share of the height, begins to count in full."""
 LARGEST = (0.5, 0.75, 0.9, 0.97)
 """Quantiles of predicted errors that part small errors from large ones."""
-ROUNDS, LEAST_AWAY = 60, 1e-3
+ROUNDS = 60
+LEAST_AWAY = 1e-3
 
 
 def without_marks(error: Array, mark: Array) -> Array:

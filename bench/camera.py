@@ -34,8 +34,13 @@ from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 Grey = NDArray[np.uint8]
 Method = Callable[[Iterator[Grey], Camera, camera_opencv.Masks], CameraPath]
 
-MOST_TURN_DEG, MOST_ZOOM, MOST_WAY, MOST_MS, MOST_STRAY_MM = 0.3, 0.5, 1.0, 6.0, 8.0
-ACROSS_M, ALONG_M = 0.01, 0.03
+MOST_TURN_DEG = 0.3
+MOST_ZOOM = 0.5
+MOST_WAY = 1.0
+MOST_MS = 6.0
+MOST_STRAY_MM = 8.0
+ACROSS_M = 0.01
+ALONG_M = 0.03
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,8 @@ from tests.rendering.render import TO_LIGHT, Stage, add_body
 from tests.rendering.settings import RenderSettings
 
 FPS = 30
-WIDTH, HEIGHT = 960, 540
+WIDTH = 960
+HEIGHT = 540
 FLOOR_M = 1.4
 """The room's floor below the camera at the first frame, but for its shake."""
 NEARLY_LOSSLESS = replace(MP4, options={"crf": "6", "preset": "veryfast"})
@@ -364,7 +365,8 @@ def _eased(frames: int) -> Array:
     return np.concatenate([[0], np.cumsum(speed[1:])]) / speed[1:].sum()
 
 
-ROLLING, READOUT = "walk-around, rolling shutter", 0.6
+ROLLING = "walk-around, rolling shutter"
+READOUT = 0.6
 
 PLANS: dict[str, Callable[[], Plan]] = {
     "pan and zoom": lambda: _turning(1000),

@@ -17,7 +17,9 @@ from keypose.tracker.geometry.rotations import Array, nearest_rotation, rotation
 Grey = NDArray[np.uint8]
 Masks = Callable[[int], NDArray[np.bool_] | None]
 
-MOST, QUALITY, APART_PX = 600, 0.01, 7
+MOST = 600
+QUALITY = 0.01
+APART_PX = 7
 FEWEST = 200
 WINDOW = (21, 21)
 EVERY = 8

@@ -29,11 +29,16 @@ from keypose.tracker.tracking.pool import SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 
-EVERY, FRAMES = 15, 150
+EVERY = 15
+FRAMES = 150
 """Frames from one keyframe to the next, and of a film that are tracked."""
 STOOD = ("still hand", "walk-around", "dolly", "pan and zoom")
-MOST_STRAY_MM, MOST_PINNED_MM, MOST_MORE_PX = 8.0, 3.0, 0.3
-KEYS, FIRST, SEEDS = (30, 50, 70), 30, 4
+MOST_STRAY_MM = 8.0
+MOST_PINNED_MM = 3.0
+MOST_MORE_PX = 0.3
+KEYS = (30, 50, 70)
+FIRST = 30
+SEEDS = 4
 """Keyframes of the real walk, the frame its turned film begins with, and disturbances of them."""
 
 

@@ -22,7 +22,8 @@ from keypose.tracker.kernels.raster import PERSPECTIVE, fill
 
 Floats = NDArray[np.float32]
 
-SIDE, TEXEL_M = 2048, 0.005
+SIDE = 2048
+TEXEL_M = 0.005
 """Of the square texture, repeated without end: texels, and the metres of one."""
 PANORAMA_F = 1600.0
 """Focal length of the panorama, texels: as fine as the longest lens sees it."""

@@ -32,12 +32,17 @@ LIVE_FRAME = 36
 LIVE_MS = {2: {"preview": 16.0, "full": 60.0}, 1: {"preview": 24.0, "full": 90.0}}
 """By threads."""
 PAPERS_SECONDS = 10.0
-LINEAR_WITHIN, MEMORY_WITHIN = 1.15, 1.15
-START_SECONDS, OPEN_SECONDS, COLD_SECONDS = 0.6, 0.5, 12.0
+LINEAR_WITHIN = 1.15
+MEMORY_WITHIN = 1.15
+START_SECONDS = 0.6
+OPEN_SECONDS = 0.5
+COLD_SECONDS = 12.0
 PLENTY = Memory(4_000_000_000, 400_000_000)
 """So that all pictures stay prepared while the chain alone is timed."""
-SMALL_MEMORY_MB, MEMORY_FRAMES = 300, (100, 400, 1000)
-LARGE_MEMORY_MB, LARGE_FRAMES = 500, 120
+SMALL_MEMORY_MB = 300
+MEMORY_FRAMES = (100, 400, 1000)
+LARGE_MEMORY_MB = 500
+LARGE_FRAMES = 120
 """Of 2,000 frames as much is held as of so many: memory no longer grows."""
 
 

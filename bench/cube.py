@@ -24,8 +24,11 @@ from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 
-INTERVALS, BARRED = (20, 54, 108, 217), (20, 54)
-EXACT_UP_TO, MOST_PX, MOST_MASKED_PX = 108, 0.8, 1.5
+INTERVALS = (20, 54, 108, 217)
+BARRED = (20, 54)
+EXACT_UP_TO = 108
+MOST_PX = 0.8
+MOST_MASKED_PX = 1.5
 BAR_PX = 40
 
 

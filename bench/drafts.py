@@ -24,7 +24,8 @@ from keypose.tracker.keypoints.detectors import open_detector
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.video import Video
 
-CAMERAS, NETWORKS = (1, 2, 3, 4), ("full", "thunder")
+CAMERAS = (1, 2, 3, 4)
+NETWORKS = ("full", "thunder")
 ROOM = 0.08
 """Share of the person's height around the joints, as a box is drawn."""
 MOST_FALSE = 0.5

@@ -50,9 +50,11 @@ from bench.keeping import Absent
 from bench.measures import Over
 from bench.table import Expected, Report, Table
 
-SEEDS, SIGMA_PX = 3, 2.0
+SEEDS = 3
+SIGMA_PX = 2.0
 """Persons, and how far off they see a joint."""
-MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
+MOST_ACTIONS = 45.0
+MOST_MINUTES = 5.0
 COLUMNS = (
     "right", "in space too", "mm in space", "knees deg", "keyframes", "clicks", "keys", "drags",
     "looks", "frames watched", "seconds", "first keyframe", "s a frame after", "actions for 1800",

@@ -22,7 +22,8 @@ from bench.table import Expected, Report, Table
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.tracking.cues.joint_evidence import LEAST, UNKNOWN
 
-WRONG, RIGHT_PX = FAR_PX / TALL_PX, 5.0
+WRONG = FAR_PX / TALL_PX
+RIGHT_PX = 5.0
 FITTED_BY: tuple[tuple[str, ...], ...] = (
     ("apart", "drift", "away"),
     ("apart", "drift", "away", "distance"),
@@ -33,7 +34,11 @@ JUDGED_FROM_PX = 3.0
 """Smaller predicted errors are not judged."""
 FEWEST = 60
 """Joints in a band of which anything is said."""
-GOOD_OFTEN, GOOD_TRUE, AUROC, NAMED, MISCALIBRATED = 0.70, 0.97, 0.80, 0.70, 0.25
+GOOD_OFTEN = 0.70
+GOOD_TRUE = 0.97
+AUROC = 0.80
+NAMED = 0.70
+MISCALIBRATED = 0.25
 """Shares of right segments that are called good, and of good ones that are right; area under the
 curve of wrong joints; share of segments with a wrong joint whose named part is among the two worst;
 by how much the median measured may miss the predicted one."""

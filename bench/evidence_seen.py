@@ -58,13 +58,15 @@ RENDERED = {
     for name in ("walk", "jump", "wash", "pirouette", "jumping_jacks", "stride", "throw", "speech",
                  "shelf", "crossing")
 }  # fmt: skip
-INTERVALS, DISTURBED = (20, 60), 40
+INTERVALS = (20, 60)
+DISTURBED = 40
 """Frames from one keyframe to the next, where one of them is wrong the second."""
 MARK_PX = {"person": 3.5, "walk": 4.6, "arms": 3.8, "camera4": 3.0}
 """By which marks are off, on a person 400 px tall: 2 px of the picture across and down, or by how
 much two people's differ. Keyframes are posed on the same marks, so that what all of a joint's
 marks are off alike is no error here."""
-TURNED_RAD, BESIDE = np.radians(30.0), 0.2
+TURNED_RAD = np.radians(30.0)
+BESIDE = 0.2
 """A limb at a keyframe is turned by so much; a body lies by such a share of its height beside the
 person."""
 LIMBS = ("upper_arm", "forearm", "thigh", "shin")

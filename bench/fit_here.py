@@ -28,7 +28,8 @@ from tests.rendering.scenes import scene
 
 STRETCHES = {"walk": (0, 72), "speech": (0, 72), "throw": (47, 119)}
 INTERVAL = 24
-TURN_RAD, SHIFT_M = np.radians(3.0), 0.015
+TURN_RAD = np.radians(3.0)
+SHIFT_M = 0.015
 SEEDS = (1, 2, 3)
 BESIDE = 10
 MOST_PX = {"rendered": 0.5, "person": 5.0, "walk": 3.0}

@@ -46,9 +46,11 @@ LOOKS = {
 }
 POSED_PX = 2.0
 """How far off joints are posed, in the rows that say so."""
-TALLER, LIMB_SHARE = (1.08, 1 / 1.08), 0.10
+TALLER = (1.08, 1 / 1.08)
+LIMB_SHARE = 0.10
 SEEDS = (1, 2, 3)
-TURNED_DEG, DEPTH_SHARE = 4.0, 0.01
+TURNED_DEG = 4.0
+DEPTH_SHARE = 0.01
 """How far off a hand poses a turn that it cannot see, and depth."""
 NEAR_CM = 0.5
 UP = np.array([0.0, -1.0, 0.0])

@@ -11,7 +11,8 @@ from keypose.tracker.apart import read_apart
 from keypose.tracker.limits import limit_memory
 from tests.fuzzing import fault, kinds, mutant
 
-MUTANTS, MUTANTS_APART = 3000, 200
+MUTANTS = 3000
+MUTANTS_APART = 200
 """Of a kind; of one whose library may end the process, each in a child of its own."""
 MEMORY_BYTES = 2 * 2**30
 """A reader that takes more is at fault."""

@@ -223,7 +223,8 @@ def _each_alone(forward: Any, backward: Any, offset: Array) -> tuple[Array, Arra
 
 
 _EXCHANGED = anchors_module.exchanged_sides
-BETWEEN, TRACKED = ("between",), ("between", "limb")
+BETWEEN = ("between",)
+TRACKED = ("between", "limb")
 STILL = 1e-6
 _THIS = sys.modules[__name__]
 
@@ -701,7 +702,9 @@ def _on_marks(film: Shown, skeleton: Skeleton, frame: int, pose: Pose) -> Pose:
 
 
 MANY = Criteria(most_steps=60, longest_step=0.3, settled=1e-6, damping=Damping(most=1e6))
-TURN_RAD, SHIFT_M, BESIDE = np.radians(3.0), 0.015, 10
+TURN_RAD = np.radians(3.0)
+SHIFT_M = 0.015
+BESIDE = 10
 """By how much a pose is off that is to be fitted, and the tracked frames beside it."""
 FIT_FRAMES = (0, 24, 48)
 

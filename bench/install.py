@@ -24,7 +24,9 @@ from urllib.request import HTTPCookieProcessor, ProxyHandler, build_opener
 from bench.keeping import ROOT
 from bench.table import Pair, Report, Table
 
-TO_THE_PAGE_S, ANSWERS_S, AGAIN_S = 60.0, 0.3, 2.0
+TO_THE_PAGE_S = 60.0
+ANSWERS_S = 0.3
+AGAIN_S = 2.0
 LONGEST_S = 3600.0
 
 

@@ -38,14 +38,19 @@ from keypose.tracker.solver.posed import BodyPoint, BodyPoints, free_skeleton
 from keypose.tracker.solver.sigmas import JOINT_PX, LIMIT_RAD
 from keypose.tracker.solver.terms import Term
 
-LENGTH_SHARE, FIXED_SHARE, DISTANCE_SHARE = 0.08, 1e-4, 0.1
+LENGTH_SHARE = 0.08
+FIXED_SHARE = 1e-4
+DISTANCE_SHARE = 0.1
 """Sigmas of the logarithms of lengths, of what marks do not show (thickness, lens), of distance."""
 STEPS = 12
-STARTS, ASIDE_RAD = 12, np.radians(25.0)
+STARTS = 12
+ASIDE_RAD = np.radians(25.0)
 """Poses that a keyframe is tried from, and how far they turn aside from where the person faces."""
-TURN_RAD, DEPTH_SHARE = 1.0, 0.05
+TURN_RAD = 1.0
+DEPTH_SHARE = 0.05
 """Sigmas of a part's turn and of the root's distance from one keyframe to the next."""
-JITTER_RAD, JITTER_M = np.radians(0.5), 0.003
+JITTER_RAD = np.radians(0.5)
+JITTER_M = 0.003
 
 
 @dataclass(frozen=True, eq=False)

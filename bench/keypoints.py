@@ -53,7 +53,8 @@ LOOKS = (Variation(), *VARIATIONS)
 REGION_HEIGHTS = 4 / 3
 """Side of BlazePose's region over the body's height, about."""
 OTHER_SIDE = [JOINTS.index(other_side(name, JOINTS)) for name in JOINTS]
-MOST_COST, MOST_BETTER = 0.5, 0.9
+MOST_COST = 0.5
+MOST_BETTER = 0.9
 """Of two networks, as shares of five looks of one: processor time, and pixels at marks."""
 
 

@@ -24,7 +24,8 @@ LIMBS = {
     )
     for side in ("left", "right")
 }
-MARK_PX, TURN_RAD = 1.0, np.radians(30.0)
+MARK_PX = 1.0
+TURN_RAD = np.radians(30.0)
 """Standard deviations of a limb laid on its marks: of these, and of its turns from where it was."""
 
 

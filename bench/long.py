@@ -30,11 +30,19 @@ from tests.browser.shared import admit, opened
 
 LARGE_OPENED_S = 4.0
 """Frames that lie far apart are looked at, to tell whether the camera stands still."""
-OPENED_S, NEXT_MS, ANYWHERE_MS, LARGE_MS = 1.0, 20.0, 120.0, 60.0
-EDITED_MS, PLACE_MS = 200.0, 100.0
-STEPS, JUMPS, WORKED_FRAMES, KEYFRAMES = 60, 40, 10_000, 11
+OPENED_S = 1.0
+NEXT_MS = 20.0
+ANYWHERE_MS = 120.0
+LARGE_MS = 60.0
+EDITED_MS = 200.0
+PLACE_MS = 100.0
+STEPS = 60
+JUMPS = 40
+WORKED_FRAMES = 10_000
+KEYFRAMES = 11
 PLACES = 1000
-KILLED_AT, WALKER = 80, "1010,370,1130,700"
+KILLED_AT = 80
+WALKER = "1010,370,1130,700"
 WINDOW = (1440, 900)
 
 _MAKE_PLACES = """

@@ -18,8 +18,11 @@ from keypose.tracker.geometry.rotations import Array
 
 GROUP = 250
 """Frames from one key frame to the next, as x264 has them where nothing is said."""
-HOUR, HOUR_SIZE = 3600 * FPS, (640, 360)
-LARGE, LARGE_SIZE, LARGE_GROUP = 240, (3840, 2160), 30
+HOUR = 3600 * FPS
+HOUR_SIZE = (640, 360)
+LARGE = 240
+LARGE_SIZE = (3840, 2160)
+LARGE_GROUP = 30
 """A second from one key frame to the next, as cameras have them."""
 GRAIN = 3.0
 """Grey levels by which a pixel differs from frame to frame."""

@@ -33,7 +33,9 @@ HEADS = {
     "center": f"{_SCOPE}center_0/conv2d_4/BiasAdd",
     "off": f"{_SCOPE}kpt_offset_0/conv2d_7/BiasAdd",
 }
-SIDE, OPSET, IR_VERSION = 256, 13, 8
+SIDE = 256
+OPSET = 13
+IR_VERSION = 8
 _LEAST_HALF = 16
 """Tensors of fewer numbers stay in single precision."""
 

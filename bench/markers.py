@@ -62,7 +62,8 @@ BODY_25 = (
     *(f"{side}{joint}" for joint in _POINTS for side in ("R", "L")),
     *("RHeel", "RBigToe", "LHeel", "LBigToe"),
 )
-HIPS, SHOULDERS = (0, 1), (6, 7)
+HIPS = (0, 1)
+SHOULDERS = (6, 7)
 KNEES = ((0, 2, 4), (1, 3, 5))
 ELBOWS = ((6, 8, 10), (7, 9, 11))
 FEET = ((12, 13), (14, 15))

@@ -15,7 +15,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.posed import BodyPoints
 
-TALL_PX, FAR_PX = 400.0, 10.0
+TALL_PX = 400.0
+FAR_PX = 10.0
 """A joint is wrong when it is further off than `FAR_PX` on a person who is `TALL_PX` tall."""
 
 

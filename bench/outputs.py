@@ -17,8 +17,10 @@ from keypose.app.export.motion_formats import FORMATS
 
 ROOT = Path(__file__).parents[1]
 OUT = Path("out/outputs")
-FILMS, SURFACES = ("balance", "box", "person"), ("arms",)
-METHODS, QUALITIES = ("keypose", "paper"), ("preview", "full")
+FILMS = ("balance", "box", "person")
+SURFACES = ("arms",)
+METHODS = ("keypose", "paper")
+QUALITIES = ("preview", "full")
 PEOPLE = ("balance", "person")
 OF_A_PERSON = ("mot", "amass")
 """Formats that refuse any other body."""

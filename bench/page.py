@@ -24,19 +24,25 @@ from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.interaction import section, settled, spot, until, until_state
 from tests.browser.shared import admit, opened
 
-TIMES, PASSES = 40, 12
-SERVER_MS, FIRST_PASS_S, RATIO = 100.0, 2.0, 1.5
+TIMES = 40
+PASSES = 12
+SERVER_MS = 100.0
+FIRST_PASS_S = 2.0
+RATIO = 1.5
 FRAME = 24
 """A keyframe, where no pass moves the body while the pointer takes hold of it."""
 
-PLAYED, PLAYED_TURNS = (960, 540), 2
-LONG, LONG_TURNS = (640, 360), 20
+PLAYED = (960, 540)
+PLAYED_TURNS = 2
+LONG = (640, 360)
+LONG_TURNS = 20
 """A film whose job lasts: one that ended and began anew would end the drag under way."""
 
 IDLE_S = 5.0
 IDLE_PERCENT = {"server": 1.0, "page": 1.0}
 PLAYED_FPS = 25.0
-LOADS, PAINTED_MS = 9, 600.0
+LOADS = 9
+PAINTED_MS = 600.0
 WINDOW = (1440, 900)
 VIEWS = ("main", "top", "side", "front")
 LIVE_MS = 40.0, 80.0

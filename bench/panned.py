@@ -33,7 +33,8 @@ from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.encode import FilmWriter
 
-PAN_DEG, TREMBLE_DEG = 8.0, (0.0, 0.1, 0.3)
+PAN_DEG = 8.0
+TREMBLE_DEG = (0.0, 0.1, 0.3)
 MOST_PX = {"walk-20": 4.5, "walk-40": 10.0, "person-60": 11.0}
 """In the mean, which the steadied film should not exceed."""
 JITTERS = 4

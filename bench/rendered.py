@@ -31,13 +31,15 @@ STRETCHES = {
 }
 """What is shown of each motion when the conditions are hard."""
 INTERVALS = (8, 12, 16, 24, 32, 48)
-OURS, PAPERS = 24, 12
+OURS = 24
+PAPERS = 12
 """Keyframe intervals of `keypose` and `paper` at which ours is to be no worse."""
 COLUMNS = (
     "segments", "linear", "forward", "paper", "keypose", "best tried", "kept", "verdicts",
 )  # fmt: skip
 WIDE = ("verdicts",)
-CLOSED, ROUNDS = 1e-9, 8
+CLOSED = 1e-9
+ROUNDS = 8
 
 
 @dataclass(frozen=True)

@@ -57,9 +57,13 @@ FILMS: Mapping[str, tuple[tuple[float, float, float, float], int, tuple[int, int
 }
 """Box, its frame, frames, field of view in degrees."""
 EVERY = 30
-MOST_SOLES_CM, MOST_SLIDE_CM, MOST_MORE_PX = 1.5, 0.5, 0.3
-RENDERED, TILT_DEG = ("walk", "stride", "throw"), 12.0
-MOST_TILT_DEG, MOST_LEAN_DEG = 1.5, 3.0
+MOST_SOLES_CM = 1.5
+MOST_SLIDE_CM = 0.5
+MOST_MORE_PX = 0.3
+RENDERED = ("walk", "stride", "throw")
+TILT_DEG = 12.0
+MOST_TILT_DEG = 1.5
+MOST_LEAN_DEG = 3.0
 
 
 @dataclass(frozen=True, eq=False)

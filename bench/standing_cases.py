@@ -47,11 +47,16 @@ from tests.rendering.scenes import camera as usual_camera
 from tests.rendering.settings import RenderSettings
 from tests.tracker import session_cases
 
-FRAMES, KEY_EVERY = 91, 30
-FLOOR_M, AWAY_M, TILT_RAD = 0.86, 5.8, np.radians(10.0)
-HIP_HALF_M, STRAIGHT = 0.0847, 0.998
+FRAMES = 91
+KEY_EVERY = 30
+FLOOR_M = 0.86
+AWAY_M = 5.8
+TILT_RAD = np.radians(10.0)
+HIP_HALF_M = 0.0847
+STRAIGHT = 0.998
 """Half of the distance of the hips, and how straight a leg stands, of its length."""
-POSED_RAD, POSED_PX = np.radians(4.0), 1.0
+POSED_RAD = np.radians(4.0)
+POSED_PX = 1.0
 """Of a keyframe about the truth's pose, and of its joints in the picture."""
 
 

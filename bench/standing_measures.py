@@ -53,9 +53,11 @@ class Effect:
 COLUMNS = ("pins", "soles cm", "planted cm", "knees deg", "95 % deg", "px", "joint px", "turn deg",
            "before", "push", "mm", "mm before", "up deg")  # fmt: skip
 
-MOST_SOLES_CM, MOST_KNEE_DEG, MOST_PX, MOST_JOINT_PX, MOST_TURN_DEG = (
-    1.5, 5.0, 0.3, 8.0, 12.0,
-)  # fmt: skip
+MOST_SOLES_CM = 1.5
+MOST_KNEE_DEG = 5.0
+MOST_PX = 0.3
+MOST_JOINT_PX = 8.0
+MOST_TURN_DEG = 12.0  # fmt: skip
 
 
 def expected(found: Effect) -> list[Expected]:

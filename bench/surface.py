@@ -50,7 +50,8 @@ DISTANCES: Mapping[str, Options] = {
     "plane": PAPER,
 }
 CAMERAS = (15, 8)
-MOST_CM, MOST_MS = 1.0, 150.0
+MOST_CM = 1.0
+MOST_MS = 150.0
 EVERY: Mapping[WalkKind, tuple[int, ...]] = {
     "plain": (1, 2, 3, 6, 8), "contact": (1, 2, 3), "missing20": (1,), "noise1cm": (1,),
 }  # fmt: skip
@@ -58,8 +59,10 @@ EVERY: Mapping[WalkKind, tuple[int, ...]] = {
 ASKED = 3
 ROUGH = ((3.0, 1.5), (6.0, 3.0), (12.0, 5.0))
 """Degrees and centimetres by which first poses are off."""
-PHANTOM, CONTACT = slice(6, 9), slice(8, 11)
-LONG, SOON = 3000, 500
+PHANTOM = slice(6, 9)
+CONTACT = slice(8, 11)
+LONG = 3000
+SOON = 500
 GROWTH = 1.1
 
 

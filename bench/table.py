@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import Any
 
-NAME_WIDTH, CELL_WIDTH, WIDE = 31, 12, 24
+NAME_WIDTH = 31
+CELL_WIDTH = 12
+WIDE = 24
 
 
 @dataclass(frozen=True)

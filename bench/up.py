@@ -53,7 +53,8 @@ EVERY: Final = 30
 WAYS: Final = ("lines", "person", "feet", "all")
 MOST_OUTSIDE: Final = 0.1
 """The share of the ± that may miss the truth."""
-MOST_SPREAD, LEAST_SPREAD = 1.3, 0.4
+MOST_SPREAD = 1.3
+LEAST_SPREAD = 0.4
 """Of the errors in tilt as multiples of their standard deviation, root mean square: more is too
 sure of itself, less too timid."""
 AHEAD: Final = np.array([0.0, 0.0, 1.0])

@@ -7,7 +7,8 @@ from pathlib import Path
 from keypose.tracker.apart import read_apart
 from tests.fuzzing import fault, kinds, mutant
 
-MUTANTS, MUTANTS_APART = 150, 3
+MUTANTS = 150
+MUTANTS_APART = 3
 
 
 def test_a_mutant_of_any_file_is_read_or_refused_in_one_sentence(tmp_path: Path) -> None:

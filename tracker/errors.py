@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
 
 
-LONGEST_WORDS, LONGEST_BEGINNING = 600, 400
+LONGEST_WORDS = 600
+LONGEST_BEGINNING = 400
 """Characters of a sentence, and of its beginning where it quotes a name that is longer."""
 
 

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from keypose.tracker.session import Session
     from keypose.tracker.warming import BoxScene
 
-_DONE, _HULLS_DONE = "warm", "warm-hulls"
+_DONE = "warm"
+_HULLS_DONE = "warm-hulls"
 MOST_PROCESSES: Final = 3
 """More would wait for the largest part."""
 BY_KEYPOINTS = ("passes", "keypoints", "refinement", "chains", "observation")

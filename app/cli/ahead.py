@@ -23,7 +23,8 @@ from keypose.tracker.tracking.ahead.follow import FoundAhead
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
 
-DONE, NOTHING = 0, 1
+DONE = 0
+NOTHING = 1
 _WAYS: Mapping[str, tuple[Direction, ...]] = {
     "forward": ("forward",),
     "backward": ("backward",),

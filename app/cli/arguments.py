@@ -74,7 +74,8 @@ UNITS = ("m", "dm", "cm", "mm", "in", "ft")
 UP_AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
 """As in tracker.session.settings, which would load more than help needs."""
 
-SESSION, SESSION_FOLDER = "session.json", ".keypose"
+SESSION = "session.json"
+SESSION_FOLDER = ".keypose"
 """As in app.document.library, likewise."""
 
 WIDTH = 88

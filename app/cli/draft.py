@@ -40,7 +40,8 @@ from keypose.tracker.storage.pace import known_or_measured
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
 
-DONE, INTERRUPTED = 0, 130
+DONE = 0
+INTERRUPTED = 130
 
 _REASONS = {
     "start": "first draft",

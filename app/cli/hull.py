@@ -21,7 +21,9 @@ from keypose.tracker.storage.atomic import make_folder, require_absent, require_
 from keypose.tracker.surface.cameras.hulls import Hulls, ply_bytes
 from keypose.tracker.surface.cameras.rig import Rig
 
-DONE, FAILED, INTERRUPTED = 0, 1, 130
+DONE = 0
+FAILED = 1
+INTERRUPTED = 130
 
 OnStep: TypeAlias = Callable[[int, str], None]
 """Receives a step that is done, and its outcome."""

@@ -45,7 +45,8 @@ from keypose.tracker.storage.sidecars import save_first_motion
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
-MOST_NAMES, LONGEST_NAME = 12, 60
+MOST_NAMES = 12
+LONGEST_NAME = 60
 """Names that are listed as left out, and letters of one; JSON has all of them."""
 
 

@@ -32,7 +32,9 @@ from keypose.app.orders.order import options_of
 from keypose.tracker.errors import FormatError, KeyposeError
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 
-DONE, NOT_ALL, INTERRUPTED = 0, 1, 130
+DONE = 0
+NOT_ALL = 1
+INTERRUPTED = 130
 WORKER_BYTES = 2_000_000_000
 """What a worker may want: the program and the clip of its longest segment."""
 

@@ -26,7 +26,9 @@ from keypose.tracker.storage.fingerprints import present_keys, segment_keys, sho
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.sidecars import carry_beside
 
-DONE, LOST, INTERRUPTED = 0, 1, 130
+DONE = 0
+LOST = 1
+INTERRUPTED = 130
 
 
 def track_and_save(

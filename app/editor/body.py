@@ -48,7 +48,8 @@ class Shape(Edit):
     """A part of another shape, about as large."""
 
     do: Literal["shape"] = "shape"
-    verb, target = "change the shape of", "part"
+    verb = "change the shape of"
+    target = "part"
     part: Name
     kind: Annotated[str, Field(max_length=40)]
 
@@ -61,7 +62,8 @@ class Shape(Edit):
 
 class Size(Edit):
     do: Literal["size"] = "size"
-    verb, target = "resize", "part"
+    verb = "resize"
+    target = "part"
     part: Name
     key: Annotated[str, Field(max_length=40)]
     cm: Centimetres
@@ -76,7 +78,8 @@ class Joint(Edit):
     """Where a part hangs on its parent."""
 
     do: Literal["joint"] = "joint"
-    verb, target = "move the joint of", "part"
+    verb = "move the joint of"
+    target = "part"
     part: Name
     x: Centimetres | None = None
     y: Centimetres | None = None
@@ -108,7 +111,8 @@ class Preset(Edit):
     """One of the bodies that come with the product."""
 
     do: Literal["preset"] = "preset"
-    verb, target = "change the body to", "name"
+    verb = "change the body to"
+    target = "name"
     name: Name
 
     def apply(self, state: EditorState) -> Session:
@@ -130,7 +134,8 @@ class AddPart(Edit):
     """One more part at the far end of another, as long as that and thinner."""
 
     do: Literal["add_part"] = "add_part"
-    verb, target = "add", "name"
+    verb = "add"
+    target = "name"
     parent: Name
     name: Name
 
@@ -142,7 +147,8 @@ class DeletePart(Edit):
     """A part and all that hangs on it."""
 
     do: Literal["delete_part"] = "delete_part"
-    verb, target = "delete", "part"
+    verb = "delete"
+    target = "part"
     part: Name
 
     def apply(self, state: EditorState) -> Session:
@@ -158,7 +164,8 @@ class RenamePart(Edit):
     """Another name of a part, wherever the session names it."""
 
     do: Literal["rename_part"] = "rename_part"
-    verb, target = "rename", "part"
+    verb = "rename"
+    target = "part"
     part: Name
     name: Name
 
@@ -222,7 +229,8 @@ class Tracked(Edit):
     """Which motions of a part the tracker estimates."""
 
     do: Literal["tracked"] = "tracked"
-    verb, target = "change the tracked motions of", "part"
+    verb = "change the tracked motions of"
+    target = "part"
     part: Name
     dofs: Annotated[tuple[Dof, ...], Field(max_length=6)]
 

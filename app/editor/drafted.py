@@ -37,7 +37,8 @@ from keypose.tracker.session.settings import Position
 if TYPE_CHECKING:
     from keypose.tracker.fitting.draft import Proposal
 
-LABEL, LIFTED = "draft", "draft anew"
+LABEL = "draft"
+LIFTED = "draft anew"
 """What undo calls it."""
 KEYPOINT_SOURCE = "BlazePose"
 

@@ -45,7 +45,8 @@ class AddKey(Edit):
     """The pose shown at a frame becomes its keyframe; where it is already, nothing changes."""
 
     do: Literal["add_key"] = "add_key"
-    verb, target = "add keyframe", "frame"
+    verb = "add keyframe"
+    target = "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
@@ -83,7 +84,8 @@ class DeleteKey(Edit):
     """The keyframe of a frame, or its part keyframe; the same for the next two."""
 
     do: Literal["delete_key"] = "delete_key"
-    verb, target = "delete keyframe", "frame"
+    verb = "delete keyframe"
+    target = "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
@@ -92,7 +94,8 @@ class DeleteKey(Edit):
 
 class MoveKey(Edit):
     do: Literal["move_key"] = "move_key"
-    verb, target = "move keyframe", "frame"
+    verb = "move keyframe"
+    target = "frame"
     frame: FrameIndex
     to: FrameIndex
 
@@ -109,7 +112,8 @@ class MoveKey(Edit):
 
 class DuplicateKey(Edit):
     do: Literal["duplicate_key"] = "duplicate_key"
-    verb, target = "duplicate keyframe", "frame"
+    verb = "duplicate keyframe"
+    target = "frame"
     frame: FrameIndex
     to: FrameIndex
 
@@ -121,7 +125,8 @@ class DeleteDraft(Edit):
     """The draft of a frame: shown there again is what is tracked, or lies between keyframes."""
 
     do: Literal["delete_draft"] = "delete_draft"
-    verb, target = "delete draft", "frame"
+    verb = "delete draft"
+    target = "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
@@ -187,7 +192,8 @@ class KeyAngle(Edit):
     world, as the curve has it."""
 
     do: Literal["key_angle"] = "key_angle"
-    verb, target = "turn", "part"
+    verb = "turn"
+    target = "part"
     frame: FrameIndex
     part: Name
     axis: Axis
@@ -212,7 +218,8 @@ class SoftenKey(Edit):
     """The motion need only come near a keyframe."""
 
     do: Literal["soften_key"] = "soften_key"
-    verb, target = "approximate keyframe", "frame"
+    verb = "approximate keyframe"
+    target = "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:
@@ -237,7 +244,8 @@ class ExactKey(Edit):
     """The motion meets a keyframe exactly, as it does unless it was softened."""
 
     do: Literal["exact_key"] = "exact_key"
-    verb, target = "set exact keyframe", "frame"
+    verb = "set exact keyframe"
+    target = "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:

@@ -84,7 +84,8 @@ class SetNote(Edit):
     """A note at a frame, or other words for the one that is there; empty for a mere flag."""
 
     do: Literal["set_note"] = "set_note"
-    verb, target = "write the note at", "frame"
+    verb = "write the note at"
+    target = "frame"
     frame: FrameIndex
     text: NoteText = ""
 
@@ -97,7 +98,8 @@ class MoveNote(Edit):
     """A note at another frame, where there is none yet."""
 
     do: Literal["move_note"] = "move_note"
-    verb, target = "move the note at", "frame"
+    verb = "move the note at"
+    target = "frame"
     frame: FrameIndex
     to: FrameIndex
 
@@ -112,7 +114,8 @@ class MoveNote(Edit):
 
 class DeleteNote(Edit):
     do: Literal["delete_note"] = "delete_note"
-    verb, target = "delete the note at", "frame"
+    verb = "delete the note at"
+    target = "frame"
     frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:

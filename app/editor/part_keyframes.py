@@ -41,7 +41,8 @@ class KeyParts(Edit):
     part's."""
 
     do: Literal["key_parts"] = "key_parts"
-    verb, target = "add part keyframe", "frame"
+    verb = "add part keyframe"
+    target = "frame"
     frame: FrameIndex
     parts: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
 
@@ -61,7 +62,8 @@ class UnkeyParts(Edit):
     """The limbs of these parts are tracked at a frame again."""
 
     do: Literal["unkey_parts"] = "unkey_parts"
-    verb, target = "change part keyframe", "frame"
+    verb = "change part keyframe"
+    target = "frame"
     frame: FrameIndex
     parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
 

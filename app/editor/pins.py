@@ -42,7 +42,8 @@ class SetPin(Edit):
     """
 
     do: Literal["set_pin"] = "set_pin"
-    verb, target = "pin", "part"
+    verb = "pin"
+    target = "part"
     part: Name
     frame: FrameIndex
     first: FrameIndex | None = None
@@ -148,7 +149,8 @@ class SplitPin(Edit):
     """Two pins instead of one, the second from this frame on, each with a place of its own."""
 
     do: Literal["split_pin"] = "split_pin"
-    verb, target = "split a pin at", "frame"
+    verb = "split a pin at"
+    target = "frame"
     index: PinIndex
     frame: FrameIndex
 

@@ -163,7 +163,8 @@ class Angles(Edit):
     """Some angles of a part; `free` where its joint limits have been lifted."""
 
     do: Literal["angles"] = "angles"
-    verb, target = "turn", "part"
+    verb = "turn"
+    target = "part"
     part: Name
     free: bool = False
     x: Degrees | None = None
@@ -220,7 +221,8 @@ class Face(Edit):
 
 class ResetPart(Edit):
     do: Literal["reset_part"] = "reset_part"
-    verb, target = "reset", "part"
+    verb = "reset"
+    target = "part"
     part: Name
 
     def apply(self, state: EditorState) -> Session:
@@ -262,7 +264,8 @@ class TurnInDepth(Edit):
     hangs on it, or of the whole body. partial: as of `Drag`."""
 
     do: Literal["turn_in_depth"] = "turn_in_depth"
-    verb, target = "turn in depth", "part"
+    verb = "turn in depth"
+    target = "part"
     part: Name | None = None
     partial: bool = False
 
@@ -285,7 +288,8 @@ class Untwist(Edit):
     they are."""
 
     do: Literal["untwist"] = "untwist"
-    verb, target = "untwist", "part"
+    verb = "untwist"
+    target = "part"
     part: Name
 
     def apply(self, state: EditorState) -> Session:
@@ -299,7 +303,8 @@ class CopyKey(Edit):
     """The pose of another keyframe, here, where it stands in the world."""
 
     do: Literal["copy_key"] = "copy_key"
-    verb, target = "copy keyframe", "from_frame"
+    verb = "copy keyframe"
+    target = "from_frame"
     from_frame: FrameIndex
 
     def apply(self, state: EditorState) -> Session:

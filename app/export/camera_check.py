@@ -32,18 +32,21 @@ from keypose.tracker.video import Video
 
 PLACES: Final = 4
 """Of the film at which it is looked at."""
-SHORTEST, LONGEST = 8, 24
+SHORTEST = 8
+LONGEST = 24
 """Frames over which points are followed."""
 OFF_SHARE: Final = 1 / 500
 """Of the picture's width: points that are farther off are not the camera's."""
-DOUBT_SHARE, BETTER = 1 / 1500, 0.3
+DOUBT_SHARE = 1 / 1500
+BETTER = 0.3
 """Of the picture's width: where points are farther off, another reading is named that leaves no
 more than this share of it."""
 AS_GOOD: Final = 1.2
 """Of the least error: the first reading that is as good counts."""
 STILL_PX: Final = 0.5
 RATES: Final = (24.0, 25.0, 30.0, 50.0, 60.0, 24000 / 1001, 30000 / 1001, 60000 / 1001)
-NEAREST, FARTHEST = 2, 240
+NEAREST = 2
+FARTHEST = 240
 """Frames by which a file is tried earlier and later, where it is little off, and where it is much:
 of many frames some make up for a lens that is a hundredth too long."""
 

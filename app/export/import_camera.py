@@ -28,7 +28,8 @@ from keypose.tracker.video import Video
 from keypose.tracker.video.info import VideoInfo
 
 DECIMALS = 6
-SAME_DEG, SAME_M = 1e-3, 1e-4
+SAME_DEG = 1e-3
+SAME_M = 1e-4
 """What a file's rounding may change: the session then keeps its own, and tracked motion its key."""
 FASTEST_M_S = 8.0
 """A camera that goes faster is driven, or its file is in another unit."""

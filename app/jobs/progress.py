@@ -12,7 +12,8 @@ from keypose.tracker.tracking.pool import PassFinished, SegmentFinished
 
 COST = {"preview": 1.0, "full": 4.0}
 """Of one frame, by quality, relative to each other."""
-KNOWN_SHARE, KNOWN_SECONDS = 0.1, 1.0
+KNOWN_SHARE = 0.1
+KNOWN_SECONDS = 1.0
 """Before so much is done, and so long has passed, the time that is left is not known."""
 
 Wanted: TypeAlias = tuple[int, int, str]

@@ -11,7 +11,9 @@ from typing import Any, ClassVar
 
 from keypose.tracker.errors import FormatError
 
-SMALLEST_SIDE, LARGEST_SIDE, MOST_PIXELS = 16, 8192, 20_000_000
+SMALLEST_SIDE = 16
+LARGEST_SIDE = 8192
+MOST_PIXELS = 20_000_000
 """Of a picture or film, pixels."""
 _NUMBER = re.compile(r"[+-]?\d{1,7}(\.\d{0,20})?")
 _LONGEST = 40

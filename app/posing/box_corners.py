@@ -49,7 +49,8 @@ from keypose.tracker.solver.posed import Posed as SolverPosed
 from keypose.tracker.solver.projection import image_jacobian, image_points
 from keypose.tracker.solver.terms import Term, total_cost, total_equations
 
-EDGE_SIGMA, VOLUME_SIGMA = 0.5, 1e-3
+EDGE_SIGMA = 0.5
+VOLUME_SIGMA = 1e-3
 """Of the logarithms of an edge's ratio to the one before, and of the volume's."""
 _PRECISION = np.eye(3) / EDGE_SIGMA**2 + np.ones((3, 3)) / VOLUME_SIGMA**2
 SIZES_CRITERIA = Criteria(
@@ -149,7 +150,8 @@ class _SizedPoint:
 
 CORNER_SIGMA_PX = 1.0
 """How well a person sees where a corner is."""
-TURN_SIGMA_RAD, SHIFT_SHARE = np.radians(10.0), 3.0
+TURN_SIGMA_RAD = np.radians(10.0)
+SHIFT_SHARE = 3.0
 """Of the pose before, the shift as a share of the distance: it decides what corners leave open, so
 that the box is rather shifted than turned."""
 DECIDED = 10.0
@@ -161,9 +163,11 @@ CRITERIA = Criteria(
     most_steps=60, longest_step=0.5, settled=1e-6, gain=1e-6, gain_floor=1e-3,
     damping=Damping(least=1e-9),
 )  # fmt: skip
-DECIDING, SIZING = 4, 6
+DECIDING = 4
+SIZING = 6
 """So many corners leave nothing of the pose open, and nothing of the sizes."""
-POOR_PX, BETTER = 2.5, 0.5
+POOR_PX = 2.5
+BETTER = 0.5
 """Where they are missed by more, root mean square, a box that is seen from its other side is tried,
 and other sizes; what misses them by less than that share is taken."""
 

@@ -33,7 +33,8 @@ _SAME = 1e-12
 
 _AT_REST = 1e-9
 
-_TURNED_BACK, _NOT_BACK = math.radians(50.0), math.radians(110.0)
+_TURNED_BACK = math.radians(50.0)
+_NOT_BACK = math.radians(110.0)
 """How far what carries a hand or a foot turns until that no longer keeps all of its direction, and
 until it keeps none."""
 

@@ -32,7 +32,8 @@ FREE = frozen(np.tile([-math.inf, math.inf], (3, 1)))
 """A box without limits."""
 
 _SWEEPS = 12
-_ROUNDS, _HALVINGS = 20, 20
+_ROUNDS = 20
+_HALVINGS = 20
 _STEP = math.radians(2.0)
 """So finely a turn is looked at for where it meets a limit."""
 

@@ -126,8 +126,10 @@ FILLED_HEIGHT = 0.70
 FILLED_WIDTH = 0.85
 """The most of the width that it may take for that."""
 
-_NEAREST_M, _FARTHEST_M = 0.1, 1000.0
-_ROUNDS, _EXACT_M = 30, 1e-9
+_NEAREST_M = 0.1
+_FARTHEST_M = 1000.0
+_ROUNDS = 30
+_EXACT_M = 1e-9
 
 
 def opening_pose(body: Body, camera: Camera, up_camera: ArrayLike = CAMERA_UP) -> Pose:

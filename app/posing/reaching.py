@@ -18,11 +18,13 @@ from keypose.app.posing.two_bones import Reached, TwoBones
 from keypose.app.posing.vectors import across, length, smooth_step, unit
 from keypose.tracker.geometry.rotations import Array
 
-CORRECTED, DRAWN_FAR = 0.25, 0.5
+CORRECTED = 0.25
+DRAWN_FAR = 0.5
 """A drag of an end so long, in lengths of its limb, leaves the joint between where it is seen, and
 one so long does not."""
 
-MISSED_PX, HALVINGS = 0.5, 6
+MISSED_PX = 0.5
+HALVINGS = 6
 """Where less of it would leave the end more than this beside the pointer, what takes the joint
 between along is found to a share of 1 in 64."""
 

@@ -26,7 +26,8 @@ SizeRole: TypeAlias = Literal["length", "width", "other"]
 
 SMALLEST_CM = 0.2
 LARGEST_CM = 1000.0
-LOWEST_CM, HIGHEST_CM = 1.0, 10_000.0
+LOWEST_CM = 1.0
+HIGHEST_CM = 10_000.0
 
 _LADDER = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, LARGEST_CM)
 

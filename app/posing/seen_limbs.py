@@ -29,11 +29,14 @@ from keypose.tracker.geometry.rotations import Array
 CLEAR = 0.2
 """Of `Elbow`: here the end is to be where it is seen also of a limb that is nearly straight."""
 
-LEVEL, CHANGED_M = 0.08, 0.01
+LEVEL = 0.08
+CHANGED_M = 0.01
 """Of `farness`: a joint changes sides only where its depth determined next to nothing, and soon, so
 that it hardly leaves the pointer."""
 
-NEAR_M, FAR_M, LEANS = 0.1, 0.25, 0.2
+NEAR_M = 0.1
+FAR_M = 0.25
+LEANS = 0.2
 """Taken nearer or farther by more than the first, a bone begins to point to where it was; by the
 second it does. One that points nearer or farther by a larger share of its length, more than legs of
 somebody who stands do, keeps its side, unless what carries it was turned."""
@@ -41,7 +44,8 @@ somebody who stands do, keeps its side, unless what carries it was turned."""
 SAME = 1e-9
 """Entries of a rotation up to which it is the same."""
 
-SIDEWAYS, NOT_SIDEWAYS = math.radians(10.0), math.radians(30.0)
+SIDEWAYS = math.radians(10.0)
+NOT_SIDEWAYS = math.radians(30.0)
 """What a hinge lacks is done to its sides up to the first angle; from the second on not at all."""
 
 

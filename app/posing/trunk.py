@@ -35,9 +35,12 @@ from keypose.tracker.solver.pose_terms import (
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.terms import Term
 
-TURN_SIGMA_RAD, SHIFT_SIGMA_M, FARTHER_SIGMA_M = np.radians(12.0), 0.1, 0.03
+TURN_SIGMA_RAD = np.radians(12.0)
+SHIFT_SIGMA_M = 0.1
+FARTHER_SIGMA_M = 0.03
 """How readily a part of the trunk turns, and the body is carried across the view and along it."""
-DRAGGED_SIGMA_M, KEPT_SIGMA_M = 0.001, 0.01
+DRAGGED_SIGMA_M = 0.001
+KEPT_SIGMA_M = 0.01
 LIMIT_SIGMA_RAD = np.radians(2.0)
 LIMIT_ONSET_RAD = np.radians(2.0)
 """Of `JointLimits`: a limit that holds at once, or not at all, lets the trunk jump where it is just

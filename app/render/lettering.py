@@ -12,7 +12,8 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 LETTER_PX = 22.0
 """Height of a capital letter at OpenCV's font scale 1."""
 
-SHORTEST_BAR, LONGEST_BAR = 0.12, 0.35
+SHORTEST_BAR = 0.12
+LONGEST_BAR = 0.35
 """A scale bar's length, as a share of the picture's width."""
 
 

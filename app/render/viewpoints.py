@@ -28,7 +28,8 @@ from keypose.tracker.geometry.view import ViewCamera
 FOCAL = 1.5
 """Of the shorter side of the picture: an angle of view of 37°."""
 MARGIN = 1.12
-NEAREST_M, FARTHEST_M = 0.1, 1e5
+NEAREST_M = 0.1
+FARTHEST_M = 1e5
 
 
 @dataclass(frozen=True, eq=False)

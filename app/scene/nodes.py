@@ -26,7 +26,10 @@ ROOT = "/camera"
 
 SELECTED: Colour = (169, 155, 255)
 
-LINE_PX, SELECTED_LINE_PX, WIRE_PX, GHOST_PX = 1.5, 2.5, 1.0, 1.0
+LINE_PX = 1.5
+SELECTED_LINE_PX = 2.5
+WIRE_PX = 1.0
+GHOST_PX = 1.0
 
 OVERLAY_ONLY = ("overlay", "rims", "wires")
 """Children of a part that only the camera view shows."""

@@ -58,7 +58,8 @@ class CopiedText(Message):
 LEFT_OUT = "X-Keypose-Left-Out"
 """The header that says, percent-encoded, which formats an archive lacks and why."""
 
-MASK_COLOUR, MASK_OPACITY = (64, 224, 144), 0.55
+MASK_COLOUR = (64, 224, 144)
+MASK_OPACITY = 0.55
 """Of the person's mask over the picture: neither side of the body has that colour."""
 FREE_SIZE = (1600, 1200)
 """Pixels of a picture of the free view."""

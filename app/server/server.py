@@ -49,7 +49,8 @@ FAULT = 1011
 SECONDS_TO_CLOSE = 2
 SECONDS_BETWEEN_BEATS = 1.0
 """A tab that receives nothing for three of them takes the connection for lost."""
-SECONDS_BETWEEN_PINGS, SECONDS_WITHOUT_PONG = 5.0, 10.0
+SECONDS_BETWEEN_PINGS = 5.0
+SECONDS_WITHOUT_PONG = 10.0
 """A tab whose line broke unclosed, as when its computer sleeps, is not counted for longer."""
 
 

@@ -25,7 +25,11 @@ from typing import Final, Literal, TypeAlias, get_args
 
 Kind: TypeAlias = Literal["click", "key", "drag", "judged", "watched"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
-KEY_S, POINT_S, BUTTON_S, DECIDE_S, JUDGE_S = 0.28, 1.1, 0.1, 1.35, 2.0
+KEY_S = 0.28
+POINT_S = 1.1
+BUTTON_S = 0.1
+DECIDE_S = 1.35
+JUDGE_S = 2.0
 WATCHED_S = 1 / 15
 """A frame of a motion that is played."""
 LOOKED: Final = ("judged", "watched")

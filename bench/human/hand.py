@@ -27,22 +27,26 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array, log_rotation
 
-LOOKS_RIGHT_PX, PLACED_PX = 7.0, 5.0
+LOOKS_RIGHT_PX = 7.0
+PLACED_PX = 5.0
 """A joint that is nearer looks right: with what it may be seen wrongly by it is within 10 px. The
 whole body is carried more finely, for everything hangs on it."""
 TURN_DEG = 2.0
-SEEN_DEG, FAR_PX = 35.0, 25.0
+SEEN_DEG = 35.0
+FAR_PX = 25.0
 """A trunk turned by less is not seen to be; a body farther from its hips is carried there."""
 TURN_GAIN = 0.2
 """A drag that takes a smaller share of the error of what it moves is cancelled."""
 LIMB_GAIN = 0.1
 """The same of the error of a limb: what brings one joint nearer and another off is not done."""
-DEEP_M, DEPTH_SIGMA_M = 0.2, 0.03
+DEEP_M = 0.2
+DEPTH_SIGMA_M = 0.03
 """A hand or foot so much too near or too far is seen to be in the side view; and how well it is put
 right there."""
 BENDS_M = (0.0, 0.05, -0.05, 0.1, -0.1, 0.15, -0.15)
 """How much beside that it is put until elbow or knee fit."""
-SIZE_SHARE, SIZE_SIGMA = 0.04, 0.015
+SIZE_SHARE = 0.04
+SIZE_SIGMA = 0.015
 """A body that is larger or smaller by less is not seen to be; and how well it is made as large."""
 NEARER = 0.8
 """A drag that leaves more than this share of the way is cancelled."""

@@ -24,9 +24,11 @@ from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_t
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import TrackSettings
 
-MEDIAN_PX, WORST_PX = 5.0, 10.0
+MEDIAN_PX = 5.0
+WORST_PX = 10.0
 """A motion is right when every joint is that near, in the median and at worst."""
-OFF_MM, KNEES_DEG = 50.0, 10.0
+OFF_MM = 50.0
+KNEES_DEG = 10.0
 """A motion is right in space when joints are that near in the median, seen from the hips, and knees
 are bent that nearly alike: what four cameras say of a joint is 15–25 mm off, and where makers put
 the same joint differs by 30–40 mm."""

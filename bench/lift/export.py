@@ -12,7 +12,8 @@ from onnx import TensorProto, helper, numpy_helper
 from bench.lift.network import Weights
 from keypose.tracker.keypoints.lifting import INPUTS, NETWORKS, OUTPUTS
 
-OPSET, IR_VERSION = 13, 8
+OPSET = 13
+IR_VERSION = 8
 THANKS = (
     "Trained on motion capture of the CMU Graphics Lab Motion Capture Database, mocap.cs.cmu.edu, "
     "created with funding from NSF EIA-0196217."

@@ -12,7 +12,8 @@ import numpy as np
 from keypose.tracker.keypoints.lifting import INPUTS, LIFTED, MIDDLE, OUTPUTS, POINTS
 
 Weights: TypeAlias = dict[str, Any]
-WIDTH, BLOCKS = 512, 2
+WIDTH = 512
+BLOCKS = 2
 _SEEN_NOW = slice(MIDDLE * len(POINTS) * 2, (MIDDLE + 1) * len(POINTS) * 2)
 _SHOULDERS = [POINTS.index("right_shoulder"), POINTS.index("left_shoulder")]
 

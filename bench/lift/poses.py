@@ -23,13 +23,21 @@ RATE = 30
 """Frames a second."""
 SECONDS = 12.0
 """Of a clip."""
-THIGH_M, SHIN_M, TRUNK_M = 0.41, 0.42, 0.48
+THIGH_M = 0.41
+SHIN_M = 0.42
+TRUNK_M = 0.48
 """Trunk: from the middle of the hips to the base of the neck."""
-HIP_M, SHOULDER_M = 0.088, 0.185
+HIP_M = 0.088
+SHOULDER_M = 0.185
 """From the middle line."""
-UPPER_ARM_M, FOREARM_M, FOOT_M, ANKLE_M = 0.285, 0.235, 0.135, 0.08
+UPPER_ARM_M = 0.285
+FOREARM_M = 0.235
+FOOT_M = 0.135
+ANKLE_M = 0.08
 LEG_M = THIGH_M + SHIN_M
-_UPPER_WEIGHT, _UPPER_MIDDLE, _THIGH_WEIGHT = 0.66, 0.6, 0.22
+_UPPER_WEIGHT = 0.66
+_UPPER_MIDDLE = 0.6
+_THIGH_WEIGHT = 0.22
 """Shares of the body's weight, and how far up the trunk that of trunk, head and arms acts."""
 
 KINDS = ("squat", "sit", "bend", "lunge", "kneel", "lie", "lift a leg", "twist", "leap", "tumble")
@@ -62,7 +70,8 @@ def _motion(kind: str, rng: np.random.Generator) -> Array:
 
 
 _H, _B, _LEAN, _PELVIS, _TWIST, _SIDE, _ASIDE, _ROLL = range(8)
-_LEFT, _RIGHT = (8, 9, 10), (11, 12, 13)
+_LEFT = (8, 9, 10)
+_RIGHT = (11, 12, 13)
 """Of a row: hips' height above the ankles over the leg's length, how far behind the ankles they
 are (m; NaN: where weight balances), the trunk's lean (rad), its share in the pelvis, the shoulders'
 turn against the hips and their lean to the side (rad), the hips' way to the side (m), the pelvis'

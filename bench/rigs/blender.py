@@ -23,7 +23,9 @@ PICTURES = ROOT / "out" / "bench" / "rigs"
 TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Blender's z is up; its importer of glTF turns the scene accordingly."""
 
-MOST_BONE_MM, MOST_HEIGHT_MM, MOST_PX = 0.1, 1.0, 0.05
+MOST_BONE_MM = 0.1
+MOST_HEIGHT_MM = 1.0
+MOST_PX = 0.05
 
 
 def blender(report: Report) -> None:

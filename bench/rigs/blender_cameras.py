@@ -23,8 +23,11 @@ from keypose.tracker.geometry.rotations import exp_rotation
 SCRIPT = Path(__file__).with_name("in_blender_cameras.py")
 FIRST = {"glb": 0, "fbx": 1}
 """The frame at which Blender puts the film's frame 0."""
-MOST_PX, MOST_FRAMES, MOST_RATE = 0.05, 1e-3, 1e-4
-PAN_RAD, ZOOM = 0.15, 1.3
+MOST_PX = 0.05
+MOST_FRAMES = 1e-3
+MOST_RATE = 1e-4
+PAN_RAD = 0.15
+ZOOM = 1.3
 
 CASES: tuple[tuple[str, Fraction, tuple[int, int], bool], ...] = (
     ("glb", Fraction(30), (640, 360), False),

@@ -30,7 +30,9 @@ from keypose.tracker.formats.recording import MARKER_SETS, MarkerSetName
 from tests.rendering import mocap
 from tests.tracker.formats import recordings
 
-MOST_RMS_MM, MOST_HIP_DEG, MOST_KNEE_DEG = 10.0, 10.0, 5.0
+MOST_RMS_MM = 10.0
+MOST_HIP_DEG = 10.0
+MOST_KNEE_DEG = 5.0
 ERRORS = "keypose_ik_marker_errors.sto"
 _FOLLOW = "import sys, opensim; opensim.InverseKinematicsTool(sys.argv[1]).run()"
 SECONDS = 300

@@ -20,9 +20,11 @@ from keypose.tracker.tracking.result import Diagnostics, SegmentResult
 from tests.rendering.motions import crossing
 from tests.tracker.video_cases import write_numbered
 
-FRAMES, KEYED = 153, (0, 51, 102, 152)
+FRAMES = 153
+KEYED = (0, 51, 102, 152)
 SKELETON = Skeleton.of(preset("adult_female"))
-WIDTH, HEIGHT = 64, 48
+WIDTH = 64
+HEIGHT = 48
 
 
 def write_walk(folder: Path, film: str = "walk.mkv", rate: int = 30) -> tuple[Path, Results]:

@@ -11,7 +11,8 @@ from tests.browser.interaction import until
 from tests.browser.shared import SIZE, admit, opened
 from tests.tracker.video_cases import numbered_picture, write_clip
 
-WIDTH, HEIGHT = 2560, 1440
+WIDTH = 2560
+HEIGHT = 1440
 
 
 def shown(page: Page) -> tuple[int, str]:

@@ -212,7 +212,8 @@ _JOB = """async () => {
   const { applySections } = await window.keypose.module('store/state.js');
   applySections({ job: { state: '%s', title: 'Looking for what is up', kind: 'fit' } });
 }"""
-_AT_WORK, _AT_REST = _JOB % "running", _JOB % "idle"
+_AT_WORK = _JOB % "running"
+_AT_REST = _JOB % "idle"
 
 
 def test_the_card_stands_beside_the_picture_and_no_body_before_the_person(

@@ -19,12 +19,16 @@ Kind: TypeAlias = Literal["tripod", "chain"]
 LENGTH_M = 1.0
 NAMES = ("arm_a", "arm_b", "arm_c")
 
-APEX_M, FLANK_M, BACK_M = 0.07, 0.18, 0.08
+APEX_M = 0.07
+FLANK_M = 0.18
+BACK_M = 0.08
 """The tripod's cross-section at the tip: a wedge of 120° toward the middle, and its back."""
 HUB_SHARE = 0.35
 """The tripod's arms are thinner by this where they meet."""
 
-END_M, MIDDLE_M, DEPTH_M = 0.03, 0.11, 0.08
+END_M = 0.03
+MIDDLE_M = 0.11
+DEPTH_M = 0.08
 """Half the chain's width at the joints and halfway, and half its depth."""
 
 

@@ -7,7 +7,10 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
 
-SKIN, SHIRT, TROUSERS, SHOES = (206, 160, 132), (164, 86, 74), (74, 92, 128), (84, 72, 66)
+SKIN = (206, 160, 132)
+SHIRT = (164, 86, 74)
+TROUSERS = (74, 92, 128)
+SHOES = (84, 72, 66)
 WOOD = (186, 150, 104)
 
 _WORN = {

@@ -21,7 +21,8 @@ BACKGROUND = 62.0
 NOISE = 2.0
 SAMPLES = 2
 AMBIENT = 0.7
-GREY, CONTRAST = 125.0, 42.0
+GREY = 125.0
+CONTRAST = 42.0
 STUFF_APART_M = 0.17
 """Between the places in the textured stuff that the parts are carved from."""
 TO_LIGHT = np.array([-0.35, -0.80, -0.49])

@@ -34,7 +34,8 @@ REACH_M = 3.1
 HOLE_M = 0.09
 """Radius of a hole in the surface."""
 
-LEG_IN_DEG, HAND_AT_M = 6.0, 0.12
+LEG_IN_DEG = 6.0
+HAND_AT_M = 0.12
 """Of `brought_together`, halfway: the turn of the thighs, the hands' distance from the middle."""
 
 

@@ -15,10 +15,13 @@ from numpy.typing import NDArray
 from keypose.tracker.video import Video
 from tests.tracker.video_cases import Picture, write_clip
 
-WIDTH, HEIGHT, COUNT = 352, 192, 32
+WIDTH = 352
+HEIGHT = 192
+COUNT = 32
 SEEN = 3.0
 """Grey levels, in the mean over the picture, from which on a frame is seen to be wrong."""
-TS_PACKET, TS_HEAD = 188, 34
+TS_PACKET = 188
+TS_HEAD = 34
 
 
 @dataclass(frozen=True)

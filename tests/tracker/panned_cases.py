@@ -18,7 +18,9 @@ from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.storage.files import save_session
 from tests.tracker import session_cases as cases
 
-FRAMES, WIDTH, HEIGHT = 24, 320, 180
+FRAMES = 24
+WIDTH = 320
+HEIGHT = 180
 CAMERA = Camera(width=WIDTH, height=HEIGHT, fx=300.0, fy=300.0, cx=159.5, cy=89.5)
 PAN = np.radians(9.0)
 

@@ -19,8 +19,11 @@ from keypose.tracker.kernels.layout import STEPS, BodyArrays, Lens, Visibility
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-BINS, BIN = 257, 0.25
-GAIN_CENTRE, GAIN_SCALE, GAIN_RIDGE = 110.0, 0.02, 1e-3
+BINS = 257
+BIN = 0.25
+GAIN_CENTRE = 110.0
+GAIN_SCALE = 0.02
+GAIN_RIDGE = 1e-3
 
 
 def place_parts(body: BodyArrays, R: Floats, t: Floats) -> tuple[Floats, Floats]:

@@ -26,7 +26,9 @@ from keypose.tracker.storage.files import save_session
 from keypose.tracker.tracking.result import Diagnostics, SegmentResult, TrackResult
 from keypose.tracker.video import Video
 
-WIDTH, HEIGHT, FRAMES = 64, 48, 9
+WIDTH = 64
+HEIGHT = 48
+FRAMES = 9
 KEYFRAMES = (0, 4, 8)
 CAMERA = Camera(width=WIDTH, height=HEIGHT, fx=60.0, fy=60.0, cx=31.5, cy=23.5)
 

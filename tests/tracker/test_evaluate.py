@@ -16,7 +16,8 @@ from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from keypose.tracker.solver.posed import BodyPoint
 from tests.tracker import session_cases as cases
 
-SKELETON, CAMERA = cases.SKELETON, cases.CAMERA
+SKELETON = cases.SKELETON
+CAMERA = cases.CAMERA
 KEYS = (0, 4, 8)
 BETWEEN = (1, 2, 3, 5, 6, 7)
 

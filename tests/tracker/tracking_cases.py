@@ -33,7 +33,8 @@ from tests.rendering.settings import RenderSettings
 
 Floats = NDArray[np.float64]
 
-WIDTH, HEIGHT = 160, 120
+WIDTH = 160
+HEIGHT = 120
 CAMERA = Camera(width=WIDTH, height=HEIGHT, fx=170.0, fy=176.0, cx=78.3, cy=61.2)
 TELEPHOTO = CAMERA.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 3.0})
 CAMERAS = {"perspective": CAMERA, "telephoto": TELEPHOTO}

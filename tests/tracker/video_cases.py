@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]
-ROWS, COLUMNS = 3, 4
+ROWS = 3
+COLUMNS = 4
 BITS = ROWS * COLUMNS - 2  # the first cell is always bright, the last always dark
 
 

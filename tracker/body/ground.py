@@ -93,7 +93,8 @@ def ground_of(
     return Ground(frozen(R), frozen([-x, -floor, -z]))
 
 
-_FORWARD, _PICTURE_UP = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+_FORWARD = (0.0, 0.0, 1.0)
+_PICTURE_UP = (0.0, -1.0, 0.0)
 _STEEP = 0.02
 """Of a direction, the level share below which it says nothing of where that points."""
 

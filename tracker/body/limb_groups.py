@@ -8,7 +8,8 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.skeleton import Skeleton
 
 SIDES = ("left", "right")
-_ARM, _LEG = {"clavicle", "upper_arm", "forearm", "hand"}, {"thigh", "shin", "foot"}
+_ARM = {"clavicle", "upper_arm", "forearm", "hand"}
+_LEG = {"thigh", "shin", "foot"}
 
 
 def kind_of(name: str) -> str:

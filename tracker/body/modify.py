@@ -28,18 +28,24 @@ from keypose.tracker.body.shapes import Box, Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError, one_sentence
 
-INNER, FORWARD = 0.15, 0.03
+INNER = 0.15
+FORWARD = 0.03
 """Where the inner end is, estimated: this share of the way from the middle of the chest to the
 shoulder, at its height, and so many metres before it, by an upper arm's length of 30 cm."""
 
-RISES, SINKS, SWINGS, GIVES = 40.0, 10.0, 25.0, 10.0
+RISES = 40.0
+SINKS = 10.0
+SWINGS = 25.0
+GIVES = 10.0
 """Degrees that it rises and sinks, swings forward and back, and turns about its own length: what
 textbooks give for the joint at the breastbone, rounded."""
 
 ROUNDING: Final = 1e-9
 """Sizes that differ by so little, metres or as a ratio, are the same."""
 
-HALF_HEIGHT, HALF_DEPTH, LENGTH = 0.02, 0.025, 0.9
+HALF_HEIGHT = 0.02
+HALF_DEPTH = 0.025
+LENGTH = 0.9
 """Its shape, over an upper arm of 30 cm; it ends at this share of the way to the shoulder."""
 
 ARM_M = 0.3

@@ -39,7 +39,8 @@ LEAST_WEIGHT = 1e-4
 LONGEST_NEAR_HALF_RATE = 500
 """Frames that a kernel may reach beside those of its cut-off: near half the rate it rings."""
 
-CLOSE_RAD, MOST_STEPS = 1e-9, 30
+CLOSE_RAD = 1e-9
+MOST_STEPS = 30
 """When a mean of rotations counts as found, and how many steps that may take."""
 
 FRAMES_AT_ONCE = 256

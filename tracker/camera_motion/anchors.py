@@ -21,7 +21,8 @@ from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
 
 STEPS = 8
 SETTLED = 1e-9
-FAR_SIGMAS, USUAL_DRIFT = 4.0, np.radians(0.02)
+FAR_SIGMAS = 4.0
+USUAL_DRIFT = np.radians(0.02)
 """An edge to an older anchor has a quarter of its weight where it is off by so many standard
 deviations of its own, of the way along the anchors, and of this drift."""
 

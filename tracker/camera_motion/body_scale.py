@@ -16,7 +16,8 @@ from keypose.tracker.geometry.rotations import Array
 
 ALONG_SHARE = 0.05
 """How much acceleration along the view counts, which is tracked less surely."""
-ROUNDS, KERNEL = 20, 2.0
+ROUNDS = 20
+KERNEL = 2.0
 ALIKE = 3.0
 """Neighbouring frames err alike: so many count as one."""
 LEAST_SURE = 0.35

@@ -33,7 +33,8 @@ CameraKind: TypeAlias = Literal["static", "turns", "moves"]
 
 STILL_PX = 0.35
 """A camera is static where no part of the picture went farther, of the size looked at."""
-NO_ZOOM, ZOOM_SIGMAS = 0.002, 3.0
+NO_ZOOM = 0.002
+ZOOM_SIGMAS = 3.0
 """A zoom that stays within this share of 1, or so many standard deviations, is none."""
 ASIDE_SHARE = 0.35
 """Share of points beside where a turning camera would show them, above which it moves."""

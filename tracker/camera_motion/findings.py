@@ -43,7 +43,8 @@ FEWEST_SCENE = 5
 """Frames that points must be followed for, where nothing ties them to what was before."""
 
 
-LEAST_CONTRAST, MOST_CHANGE = 0.6, 0.15
+LEAST_CONTRAST = 0.6
+MOST_CHANGE = 0.15
 """Of the film's usual contrast: with less a picture has faded; and by so much it changes over
 `NEAR` frames while it fades."""
 NEAR = 6

@@ -16,7 +16,8 @@ from keypose.tracker.camera_motion.view_map import ViewMap
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 
-MOST_WARP, LEAST_WARP = 1.7, 0.6
+MOST_WARP = 1.7
+LEAST_WARP = 0.6
 """Sizes, of the patch at home the unit, at which a point still looks alike."""
 MOST_TURNED = np.cos(np.radians(25.0))
 """Cosine of the angle between the lines of sight from which it still does."""

@@ -14,7 +14,8 @@ from keypose.tracker.geometry.rotations import Array
 
 STEPS = 20
 SETTLED = 1e-10
-FEWEST, FEWEST_APART_PX = 2, 4.0
+FEWEST = 2
+FEWEST_APART_PX = 4.0
 MOST_STEP = 0.3
 
 

@@ -19,10 +19,16 @@ GROWTH = 1.5
 TOGETHER = 256
 """Frames whose points are put into one array at a time."""
 
-_R, _ZOOM, _VARIANCE, _LEVER, _READOUT = (
-    slice(0, 9), 9, slice(10, 12), slice(12, 20), slice(20, 22),
-)  # fmt: skip
-_ANCHOR, _KNOWN, _ERROR, _SHARE, _COLUMNS = 22, 23, 24, 25, 26
+_R = slice(0, 9)
+_ZOOM = 9
+_VARIANCE = slice(10, 12)
+_LEVER = slice(12, 20)
+_READOUT = slice(20, 22)  # fmt: skip
+_ANCHOR = 22
+_KNOWN = 23
+_ERROR = 24
+_SHARE = 25
+_COLUMNS = 26
 
 
 @dataclass(frozen=True, eq=False)

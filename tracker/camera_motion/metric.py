@@ -16,10 +16,12 @@ import numpy as np
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 
-ACROSS_M, ALONG_M = 0.01, 0.05
+ACROSS_M = 0.01
+ALONG_M = 0.05
 """Standard deviations of a foot's place as tracked, across the line of sight and along it: only
 their ratio matters to the scale."""
-ROUNDS, KERNEL = 20, 3.0
+ROUNDS = 20
+KERNEL = 3.0
 MEDIAN_OF_THREE = 1.538
 """The median length of three standard normal numbers."""
 LEAST_SURE = 0.2

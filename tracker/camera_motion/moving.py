@@ -36,13 +36,17 @@ LOST_FRAMES = 4
 again, or to nothing."""
 OPEN_SHARE = 0.3
 """Of the picture; with less background what is before it is why the camera is lost."""
-LEAST_SHARE, LONGEST = 0.7, 25
+LEAST_SHARE = 0.7
+LONGEST = 25
 """New points are picked where fewer are left, or after so many frames."""
 BETWEEN = 13
 """Frames from a view to the next, with new points or not."""
 STEP = 0.1
 """Standard deviation of a frame's step, in usual depths."""
-START_PX, LEAST_START_PX, PATIENCE, RETRY = 12.0, 2.0, 60, 15
+START_PX = 12.0
+LEAST_START_PX = 2.0
+PATIENCE = 60
+RETRY = 15
 """Parallax with which the camera is seen to move; after so many frames the least will do,
 asked for every so many."""
 SEARCH_HALVINGS = 3
@@ -54,7 +58,8 @@ WAITING = 60
 ASKED = 80
 """Points that are followed from the picture before once depths are known: then these tell where
 the others are to be expected."""
-ROUGHLY, FINELY = (12.0, 4.0), (3.0, 1.0, 1.0)
+ROUGHLY = (12.0, 4.0)
+FINELY = (3.0, 1.0, 1.0)
 SETTLING: tuple[float, ...] = (1.0, 1.0, 1.0)
 STARTING: tuple[float, ...] = (4.0, 2.0, 1.0, 1.0, 1.0)
 STAYING: tuple[float, ...] = ()

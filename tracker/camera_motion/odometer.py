@@ -33,7 +33,8 @@ FEWEST_POINTS = 12
 """With fewer picked there is no texture."""
 ROUGH_POINTS = 100
 """That are followed from the frame before."""
-FEWEST_AGREE, SHARE_AGREE = 8, 0.2
+FEWEST_AGREE = 8
+SHARE_AGREE = 0.2
 """Points that must agree, and their share of those that could be seen."""
 MOST_DOUBT = np.radians(0.2)
 """Standard deviation of the turn above which it is not known."""
@@ -41,17 +42,23 @@ OPEN_SHARE = 0.3
 """Share of the picture that must be background."""
 LOST_FRAMES = 4
 """After so many frames without the camera a new anchor is set, tied to nothing."""
-CUT_LIKENESS, SAME_LIKENESS = 0.5, 0.7
+CUT_LIKENESS = 0.5
+SAME_LIKENESS = 0.7
 """Correlation of two pictures at a cut, and of two of one scene."""
-SEEN_SHARE, AWAY_SHARE = 0.6, 0.22
+SEEN_SHARE = 0.6
+AWAY_SHARE = 0.22
 """A new anchor is due where this share of the points once found is left, or the picture went by
 this share of its width."""
-ROLL, ZOOM = np.radians(8.0), 0.14
+ROLL = np.radians(8.0)
+ZOOM = 0.14
 """Or rolled, or zoomed, so far that windows no longer look alike."""
-SOONEST, SCARCE = 4, 20
+SOONEST = 4
+SCARCE = 20
 """Frames from an anchor to the next, where points merely become fewer; not where they are less
 than so many."""
-TRUST_NEW, TRUST_RATE, TRUSTED = 0.5, 0.1, 0.6
+TRUST_NEW = 0.5
+TRUST_RATE = 0.1
+TRUSTED = 0.6
 LEAST_CHANGE_PX = 1.5
 """Of the speed since the anchor, a frame: with less nothing is said of the shutter."""
 FARTHER = 1.2

@@ -33,10 +33,12 @@ CELLS = 240
 """Into which the picture is divided; each holds a point at most."""
 BORDER_PX = 6
 """Nearer to the picture's edge no point is picked."""
-LEAST_CORNER, SURE_CORNER = 1e-5, 3e-4
+LEAST_CORNER = 1e-5
+SURE_CORNER = 3e-4
 """Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is nothing, more is
 a corner; between them the noise decides."""
-ABOVE_NOISE, QUIET_CELLS = 5.0, 10
+ABOVE_NOISE = 5.0
+QUIET_CELLS = 10
 """A point stands out where it has so many times the median of the cells at this percentile."""
 WINDOW_PX = (21, 21)
 ROUGH_WINDOW_PX = (15, 15)
@@ -54,7 +56,8 @@ COARSE = 4
 """By which a picture is made smaller to be asked for the shift of its whole."""
 
 FEWEST_EXPOSED = 12
-LEAST_GAIN, LEAST_OFFSET = 0.015, 1.5
+LEAST_GAIN = 0.015
+LEAST_OFFSET = 1.5
 """A smaller change of brightness is left."""
 GAIN_POWER = 2000.0
 

@@ -22,7 +22,9 @@ IN_COMMON = 25.0
 LEAST_SIGMA = 0.01
 """What the frames have in common that their number does not better."""
 MOST = 1.5
-LEAST_SHARE, LEAST_SIGMAS, USED_SIGMAS = 0.1, 5.0, 3.0
+LEAST_SHARE = 0.1
+LEAST_SIGMAS = 5.0
+USED_SIGMAS = 3.0
 """A readout that is smaller, or less sure, is not reported."""
 
 

@@ -24,10 +24,12 @@ SYSTEMATIC_PX = 0.03
 """What an anchor's points have in common that no spread shows."""
 LIKE_HOME = 0.35
 """Logarithm of the zoom by which a landmark may differ from its home."""
-LEAST_AREA, MOST_AREA = 0.3, 2.2
+LEAST_AREA = 0.3
+MOST_AREA = 2.2
 """Of a patch as it is seen, against its home."""
 MOST_TRIED = 300
-FEWEST_RETURNED, RETURNED_SHARE = 10, 0.5
+FEWEST_RETURNED = 10
+RETURNED_SHARE = 0.5
 MOST_TIES = 6
 """Older anchors that one is tied to."""
 BORDER_PX = 12.0

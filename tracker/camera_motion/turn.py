@@ -22,12 +22,14 @@ FEWEST = 6
 """Points that four unknowns are found from."""
 SCALES_PX = (6.0, 3.0, 1.5)
 """Of the weights, on the way; then as the residuals' own spread is, within these."""
-LEAST_SCALE_PX, MOST_SCALE_PX = 0.35, 1.0
+LEAST_SCALE_PX = 0.35
+MOST_SCALE_PX = 1.0
 STEPS_AT_END = 3
 INLIER_PX = 1.0
 """A point agrees where its residual is below this, or below so many times the inliers' spread."""
 INLIER_SPREADS = 3.0
-START_PX, START_SHARE = 4.0, 0.5
+START_PX = 4.0
+START_SHARE = 0.5
 """A start is good where this share of points lies within so many pixels, or pairs are asked."""
 GOOD_SHARE = 0.8
 """And so good here that no other is tried."""

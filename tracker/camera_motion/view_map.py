@@ -16,7 +16,8 @@ from keypose.tracker.camera_motion.resection import SeenPoints
 from keypose.tracker.camera_motion.two_views import TwoViews
 from keypose.tracker.geometry.rotations import Array
 
-FREE, HELD = 12, 6
+FREE = 12
+HELD = 6
 """Views adjusted together as they come, and views before them that are held."""
 SPREAD = 1.0
 """Standard deviation of an inverse depth of which nothing is known, over the usual one."""
@@ -24,7 +25,8 @@ WITH_PLACES = 2.0
 """By how much a depth is less certain than it would be, were all views known."""
 OUTLIER = 4.0
 """A point whose median distance from where it should be is more standard deviations is none."""
-STEPS, STEPS_AT_END = 3, 10
+STEPS = 3
+STEPS_AT_END = 10
 
 
 @dataclass(eq=False)

@@ -49,7 +49,9 @@ from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 
-FORMAT, VERSION, VERSION_OF_MOVING = "keypose camera", 1, 2
+FORMAT = "keypose camera"
+VERSION = 1
+VERSION_OF_MOVING = 2
 DECIMALS = 9
 DEGENERATE = 1e-9
 

@@ -86,8 +86,10 @@ def _skinned(body: Body, rig: Rig, parts: Sequence[int], numbers: Numbers) -> di
     }
 
 
-POINTER, YFOV = "KHR_animation_pointer", "/cameras/0/perspective/yfov"
-NEAR_M, FAR_M = 0.01, 1000.0
+POINTER = "KHR_animation_pointer"
+YFOV = "/cameras/0/perspective/yfov"
+NEAR_M = 0.01
+FAR_M = 1000.0
 """Programs draw nothing that is nearer to the camera, or farther where it must be said."""
 
 TURN = np.append(FLIP, 1.0)

@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 Kind: TypeAlias = Literal["SCALAR", "VEC2", "VEC3", "VEC4", "MAT4"]
 Purpose: TypeAlias = Literal["vertices", "indices", "animation", "skin"]
 
-MAGIC, VERSION = 0x46546C67, 2
-JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+MAGIC = 0x46546C67
+VERSION = 2
+JSON_CHUNK = 0x4E4F534A
+BINARY_CHUNK = 0x004E4942
 ALIGNMENT = 4
 
 _COMPONENTS = {np.dtype("<f4"): 5126, np.dtype("<u2"): 5123, np.dtype("<u4"): 5125}

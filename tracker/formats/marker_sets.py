@@ -102,7 +102,8 @@ _HALPE_26: Final[Mapping[str, str]] = {
 }
 """Markers, in the order of Pose2Sim's file, by the keypoint each is."""
 
-BIG_TOE, SMALL_TOE = (0.35, 1.0), (-0.65, 0.8)
+BIG_TOE = (0.35, 1.0)
+SMALL_TOE = (-0.65, 0.8)
 """Estimates: shares of half the foot's width inward, and of its length before the ankle."""
 
 

@@ -90,7 +90,8 @@ def joints_of(ps_rest_joint: Array, Rs_parent_joint: Array, ps_world_pelvis: Arr
     return np.asarray(Ts[..., :3, 3])
 
 
-BETAS, DMPLS = 16, 8
+BETAS = 16
+DMPLS = 8
 
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """From a world whose y points up, by a quarter turn about x."""

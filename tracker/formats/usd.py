@@ -49,7 +49,8 @@ TENTHS = 10.0
 """USD measures lens and film back in tenths of the scene's unit."""
 
 FILM_BACK_M = 0.036
-NEAR_M, FAR_M = 0.01, 1000.0
+NEAR_M = 0.01
+FAR_M = 1000.0
 DIGITS = 9
 """Of the rate: a quotient of times is 30 to rounding alone."""
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from keypose.tracker.kernels import compiled
 
 BINS = 257
-FAR, LOST = 255, 256
+FAR = 255
+LOST = 256
 """Histogram of |r|: quarter grey levels, all beyond in FAR; and how many left the picture."""
 
 

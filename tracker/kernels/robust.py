@@ -6,7 +6,10 @@ import math
 
 from keypose.tracker.kernels import compiled
 
-LEAST_SQUARES, HUBER, TUKEY, CAUCHY = 0, 1, 2, 3
+LEAST_SQUARES = 0
+HUBER = 1
+TUKEY = 2
+CAUCHY = 3
 
 
 @compiled

@@ -13,7 +13,10 @@ from keypose.tracker.kernels.layout import STEPS
 
 f4 = np.float32
 # Unsigned indices: signed ones are checked for counting from the end.
-X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
+X = np.uint64(0)
+Y = np.uint64(1)
+Z = np.uint64(2)
+USE = np.uint64(3)
 
 
 @compiled

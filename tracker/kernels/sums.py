@@ -17,11 +17,16 @@ from keypose.tracker.kernels.robust import HUBER, TUKEY
 
 f4 = np.float32
 GREY = f4(1 / STEPS)
-X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
+X = np.uint64(0)
+Y = np.uint64(1)
+Z = np.uint64(2)
+USE = np.uint64(3)
 
 BLOCK = 256
-HUBER_WIDTH, TUKEY_WIDTH = 1.345, 4.685
-GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
+HUBER_WIDTH = 1.345
+TUKEY_WIDTH = 4.685
+GAIN_CENTRE = 110.0
+GAIN_SCALE = 0.02
 
 
 @compiled

@@ -41,7 +41,8 @@ class Variation:
         return replace(region, side=side, turn_rad=turn)
 
 
-NEARER, TURN_RAD = 0.88, float(np.radians(15.0))
+NEARER = 0.88
+TURN_RAD = float(np.radians(15.0))
 VARIATIONS: Final = (
     Variation(NEARER),
     Variation(NEARER, mirrored=True),

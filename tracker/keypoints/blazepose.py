@@ -46,8 +46,12 @@ _EXCHANGED = [NAMES.index(other_side(name, NAMES)) for name in NAMES]
 _MIRROR = np.array([[-1.0, 0.0, SIDE - 1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """From pixels of the square as the network is shown it to those of the square as it is."""
 
-_POINTS, _MIDDLE, _RIM = 39, 33, 34
-_HEAT_SIDE, _HEAT_WINDOW, _LEAST_HEAT = 64, 3, 0.5
+_POINTS = 39
+_MIDDLE = 33
+_RIM = 34
+_HEAT_SIDE = 64
+_HEAT_WINDOW = 3
+_LEAST_HEAT = 0.5
 _OUTPUTS = ("Identity", "Identity_1", "Identity_2", "Identity_3", "Identity_4")
 """Points, presence, mask, heat maps and metres."""
 

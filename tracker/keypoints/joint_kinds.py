@@ -184,7 +184,8 @@ def _sigmoid(x: Array) -> Array:
     return np.asarray(1 / (1 + np.exp(-np.clip(x, -50, 50))))
 
 
-_RENDERED, _FILMED = 0.65, 0.75
+_RENDERED = 0.65
+_FILMED = 0.75
 """Mean confidence of MoveNet on drawn figures, whose joints it puts elsewhere and whose sides it
 exchanges: 0.61 to 0.69, from above 0.36. On films of people it is 0.77 to 0.85, and below 0.70 to
 0.79 in one frame of twenty."""

@@ -64,7 +64,8 @@ _LOG_SCALE: Final = 2.0
 _ACROSS: Final = 0.38
 """Body sizes across the view, of the root mean square of a figure's points."""
 _LOG_SIGMA: Final = -2.5
-_LEAST, _MOST = -6.0, 1.0
+_LEAST = -6.0
+_MOST = 1.0
 """Logarithm of a usual deviation in body sizes, and how far from it one may lie."""
 NETWORKS: Final = ("first", "second")
 """Trained alike from other beginnings; where they disagree, neither is to be believed."""

@@ -13,15 +13,39 @@ from typing import Final, TypeAlias
 Shape: TypeAlias = "tuple[int | None, ...]"
 """None where the file leaves a size open."""
 
-_GRAPH, _SETS, _NODE, _WEIGHTS, _INPUT, _OUTPUT = 7, 8, 1, 5, 11, 12
-_SET_DOMAIN, _SET_VERSION = 1, 2
-_NODE_INPUT, _NODE_OUTPUT, _NODE_OPERATION, _NODE_ATTRIBUTE = 1, 2, 4, 5
-_ATTRIBUTE_NAME, _NUMBER, _WORD, _ARRAY, _SUBGRAPH, _NUMBERS = 1, 3, 4, 5, 6, 8
-_ARRAY_SIZES, _ARRAY_TYPE, _ARRAY_FLOATS, _ARRAY_RAW = 1, 2, 4, 9
-_NAME, _TYPE, _WEIGHTS_NAME = 1, 2, 8
-_TENSOR, _ELEMENTS, _SHAPE, _DIM, _SIZE = 1, 1, 2, 1, 1
+_GRAPH = 7
+_SETS = 8
+_NODE = 1
+_WEIGHTS = 5
+_INPUT = 11
+_OUTPUT = 12
+_SET_DOMAIN = 1
+_SET_VERSION = 2
+_NODE_INPUT = 1
+_NODE_OUTPUT = 2
+_NODE_OPERATION = 4
+_NODE_ATTRIBUTE = 5
+_ATTRIBUTE_NAME = 1
+_NUMBER = 3
+_WORD = 4
+_ARRAY = 5
+_SUBGRAPH = 6
+_NUMBERS = 8
+_ARRAY_SIZES = 1
+_ARRAY_TYPE = 2
+_ARRAY_FLOATS = 4
+_ARRAY_RAW = 9
+_NAME = 1
+_TYPE = 2
+_WEIGHTS_NAME = 8
+_TENSOR = 1
+_ELEMENTS = 1
+_SHAPE = 2
+_DIM = 1
+_SIZE = 1
 _FLOAT32: Final = 1
-_VARINT, _BYTES = 0, 2
+_VARINT = 0
+_BYTES = 2
 _FIXED: Final = {1: 8, 5: 4}
 """Bytes of a field, by its wire type."""
 _LONGEST_VARINT: Final = 10

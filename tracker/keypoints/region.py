@@ -19,7 +19,8 @@ MARGIN: Final = 1.25
 
 SMALLEST_BOX_PX: Final = 2.0
 LEAST_DEPTH_M: Final = 0.05
-_HIPS, _SHOULDERS = ("left_thigh", "right_thigh"), ("left_upper_arm", "right_upper_arm")
+_HIPS = ("left_thigh", "right_thigh")
+_SHOULDERS = ("left_upper_arm", "right_upper_arm")
 
 Box = tuple[float, float, float, float]
 """Left, top, right and bottom in pixels."""

@@ -23,7 +23,8 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.scratch import Scratch
 
 Tensor = NDArray[np.float32]
-TFLITE, ONNX = ".tflite", ".onnx"
+TFLITE = ".tflite"
+ONNX = ".onnx"
 _FAST: Final = {TFLITE: "ai-edge-litert", ONNX: "onnxruntime"}
 """By a file's suffix the package that runs it fast."""
 

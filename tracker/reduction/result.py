@@ -12,7 +12,8 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import ReductionError
 from keypose.tracker.geometry.rotations import Array
 
-LEAST_M, LEAST_PX = 1e-4, 0.01
+LEAST_M = 1e-4
+LEAST_PX = 0.01
 """The smallest tolerances: below, rounding of a file's numbers would ask for every frame."""
 
 

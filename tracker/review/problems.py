@@ -33,7 +33,8 @@ from keypose.tracker.tracking.result import SegmentResult
 
 WORTH_PX: Final = 0.6
 """What a keyframe must be expected to mend, in the mean over a segment."""
-SHORT_FRAMES, SHORT_OCCLUSION_FRAMES = 4, 6
+SHORT_FRAMES = 4
+SHORT_OCCLUSION_FRAMES = 6
 """Intervals up to these lengths gain nothing from one keyframe more. What is hidden, whoever sets
 the keyframe does not see either."""
 BY_MOTION: Final = ("fast_motion", "longest_interval", "drift")

@@ -16,14 +16,18 @@ from keypose.tracker.tracking.result import SegmentResult
 OWN_PX: Final = 0.2
 """How much a motion can be expected to stray with every frame from the nearer keyframe. What seems
 to be more is a keyframe's own error, and one more beside it would not mend it."""
-FAST, FAST_DEG, FAST_SHARE = 1.5, 2.0, 0.6
+FAST = 1.5
+FAST_DEG = 2.0
+FAST_SHARE = 0.6
 """Motion is fast where a part turns more than so many times the segment's mean, and more than so
 many degrees a frame; and worth a word where that is less than this share of the segment."""
 ROOT_LEVER_M = 0.3
 """The lever at which a turn of the root moves the body as far as a shift does."""
-HIDDEN, HIDDEN_FRAMES = 0.15, 3
+HIDDEN = 0.15
+HIDDEN_FRAMES = 3
 """As in the verdict: a part below this observability, for so many frames, is not seen."""
-IN_DOUBT, LEAST_PX = 0.0125, 3.0
+IN_DOUBT = 0.0125
+LEAST_PX = 3.0
 """A joint that is expected to be off by more than this share of the body's height, and by more than
 so many pixels, is worth a look. Two people who mark a joint differ by little less."""
 RIGHT_SHARE = 0.25

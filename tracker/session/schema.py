@@ -46,7 +46,8 @@ from keypose.tracker.session.settings import (
 )
 from keypose.tracker.session.views import View
 
-MOST_VIEWS, MOST_BODIES = 32, 32
+MOST_VIEWS = 32
+MOST_BODIES = 32
 """Far above what one scene has."""
 
 NEAREST_M = 0.05

@@ -23,7 +23,8 @@ from keypose.tracker.solver.placed import articulation
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.solver.terms import Link, SharedTerm, Term, total_cost, total_equations
 
-EVERY, INNER = slice(None), slice(1, -1)
+EVERY = slice(None)
+INNER = slice(1, -1)
 """All frames; those between two that are held."""
 
 

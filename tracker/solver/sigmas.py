@@ -38,7 +38,8 @@ LIMIT_RAD: Final = np.radians(2.0)
 
 KEYPOINT_SHARE: Final = 0.007
 """Of a sure keypoint beside where the detector puts it on that body."""
-SURE, BLUR = 0.6, 3.0
+SURE = 0.6
+BLUR = 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
 ENDS_WIDER: Final = 2.0
 """How many times wider keypoints of head and feet are: bodies differ there."""
@@ -53,20 +54,27 @@ LIFTED_BEND_RAD: Final = np.radians(8.0)
 """Of how an elbow or a knee bends, by depth that was lifted."""
 FOOT_DEPTH_M: Final = 0.05
 """Of heels and toes in depth beside their ankle."""
-ON_PART_M, ON_PART_BY_EYE_M, FACE_ON_PART_M = 0.02, 0.012, 0.05
+ON_PART_M = 0.02
+ON_PART_BY_EYE_M = 0.012
+FACE_ON_PART_M = 0.05
 """Of where on its part a detector puts a joint: shown by keyframes, by keyframes that were posed by
 eye, whose own error is in it, and of a face, which the body's head does not have."""
 BY_HAND_SHARE: Final = 0.0025
 """Of a keypoint that a person set, as exact as a keyframe: a pixel of 400."""
-LEARNED_ON_PART_M, LEARNED_DEPTH_M = 0.019, 0.136
+LEARNED_ON_PART_M = 0.019
+LEARNED_DEPTH_M = 0.136
 """Of where on its part a detector puts a joint, and of how far its depth is off, before posed
 drafts show either: recorded people."""
-POSED_PX, POSED_DEPTH_M, SHAKES_M = 4.5, 0.06, 0.01
+POSED_PX = 4.5
+POSED_DEPTH_M = 0.06
+SHAKES_M = 0.01
 """Of how somebody poses a joint of a draft, in the picture and in depth, and of how a keypoint
 shakes from frame to frame."""
-TILT, TILT_BIAS = 0.2, 0.2
+TILT = 0.2
+TILT_BIAS = 0.2
 """Of a bone's tilt as a detector sees it, a sine, and of what lasts of that for many frames."""
-ARM_BACKWARD, ARM_FORWARD = 0.2, 0.45
+ARM_BACKWARD = 0.2
+ARM_FORWARD = 0.45
 """Of how far an arm hangs behind and before the trunk, a sine: recorded walks, jumps, washing and
 dancing."""
 
@@ -110,14 +118,19 @@ DRAFTED_ENDS = MotionSigma(np.radians(25.0), 1.0)
 """The same of head and feet, whose root does not move."""
 ANYWHERE = MotionSigma(np.radians(180.0), 30.0)
 """Of a pose fitted to joints, for what they do not decide, the shift in metres."""
-LIFTED_LIMB_RAD, LIFTED_TRUNK_RAD, LIFTED_SHIFT_PX = np.radians(14.0), np.radians(4.0), 4.0
+LIFTED_LIMB_RAD = np.radians(14.0)
+LIFTED_TRUNK_RAD = np.radians(4.0)
+LIFTED_SHIFT_PX = 4.0
 """Of a limb's part, of a part that carries several limbs, and of the root, from the start."""
-JOINT_M, JOINT_PX = 0.005, 2.0
+JOINT_M = 0.005
+JOINT_PX = 2.0
 """Of a joint that a pose is fitted to, in space and in the picture."""
 
 # --- limbs keyed alone
 
-END_M, BETWEEN_M, BETWEEN_SEEN_M = 1e-4, 0.02, 0.005
+END_M = 1e-4
+BETWEEN_M = 0.02
+BETWEEN_SEEN_M = 0.005
 """Of the last joint of a limb; of those before it, in space, and where they were seen: they were
 put there by eye, and their depth follows from the hand's or foot's."""
 LIMB_RAD: Final = np.radians(15.0)
@@ -125,7 +138,10 @@ LIMB_RAD: Final = np.radians(15.0)
 
 # --- tracks and textures
 
-TRACK_PX, SLIP_PX, MOST_SLIP_PX, ALONE_PX = 0.3, 0.02, 0.7, 0.5
+TRACK_PX = 0.3
+SLIP_PX = 0.02
+MOST_SLIP_PX = 0.7
+ALONE_PX = 0.5
 """Of a followed place, with every frame farther from the keyframe and at most, and with every frame
 in which nothing confirms it."""
 RENEWED_PX: Final = 0.12
@@ -145,16 +161,19 @@ SCORE_GREY2: Final = 2.0
 
 # --- outlines and sizes
 
-EDGE_PX, MOST_EDGE_PX = 1.0, 4.0
+EDGE_PX = 1.0
+MOST_EDGE_PX = 4.0
 """Of an edge, at best, and at most for a body that fits: shapes are not exact."""
 THICKNESS_M: Final = 0.016
 """Of how far the edges of a part lie outward together."""
-CONTOUR_PX, POSED_JOINT_PX = 1.0, 3.0
+CONTOUR_PX = 1.0
+POSED_JOINT_PX = 3.0
 """Of a contour as seen, and of a joint as posed, where sizes are fitted."""
 TURNS_RAD = tuple(np.radians([8.0, 15.0, 8.0]).tolist())
 TRUNK_RAD = tuple(np.radians([3.0, 15.0, 3.0]).tolist())
 STIFF_RAD = (1e-4, 1e-4, 1e-4)
-POSED_SHIFT_M, POSED_DEPTH_SHARE = 0.015, 0.01
+POSED_SHIFT_M = 0.015
+POSED_DEPTH_SHARE = 0.01
 """Of a pose as set, where sizes are fitted: turns about a limb's x, y and z, those of the trunk,
 and where these are not to be changed; the root across and along the view, a share of its depth. A
 limb's turns out of the picture made up for wrong lengths, so they are off by more than a person's
@@ -164,7 +183,10 @@ PROPOSED_RAD = tuple(np.radians([8.0, 4.0, 8.0]).tolist())
 """Of a limb's turns that are proposed: a twist is left as it was set, mostly."""
 HEIGHT_SHARE: Final = 0.02
 """Of the body's height, a share of it."""
-LENGTH_SHARE, WIDTH_SHARE, FOCAL_SHARE, DISTANCE_SHARE = 0.06, 0.15, 0.2, 0.05
+LENGTH_SHARE = 0.06
+WIDTH_SHARE = 0.15
+FOCAL_SHARE = 0.2
+DISTANCE_SHARE = 0.05
 TRUNK_SHARES = 0.02, 0.04
 """Of lengths, widths, the focal length and the distance, shares of each, and of length and width of
 waist, chest, neck and head, whose proportions differ least; people, and what they wear, differ more
@@ -187,27 +209,34 @@ KNEE_RAD: Final = np.radians(2.0)
 TILT_GIVES_RAD: Final = np.radians(0.15)
 """Of what is up about what it was taken for, where standing feet have their say: a floor tilts by
 some degrees, but all frames have one such residual, beside thousands of others."""
-PIN_M, FLOOR_M = 0.001, 0.0005
+PIN_M = 0.001
+FLOOR_M = 0.0005
 """Of a pinned point about its place, and of that place about the floor. A floor is uneven by
 some millimetres, but all frames of a place have one such residual, beside thousands of others."""
-KEY_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
+KEY_RAD = np.radians(4.0)
+KEY_SEEN_SHARE = 0.003
+KEY_DEPTH_SHARE = 0.05
 """Of a soft keyframe: turns, where it is seen, and its depth, a share of that."""
 EXACT_SEEN_SHARE: Final = 0.001
 """Of where a keyframe is seen that is soft in depth alone."""
 UNDECIDED_PER_M: Final = 0.03
 """1/σ of a place about where it began, as long as nothing else decides."""
-LEVEL_M, LEAN_RAD = 0.03, np.radians(5.0)
+LEVEL_M = 0.03
+LEAN_RAD = np.radians(5.0)
 """Of how far a standing foot is off the common level (soles, grass, an uneven floor), and of how
 far the camera leans beyond what is known of it."""
-ROLL_RAD, TILT_RAD = np.radians(3.0), np.radians(20.0)
+ROLL_RAD = np.radians(3.0)
+TILT_RAD = np.radians(20.0)
 """Of how far a camera is held off the level, and of how far it looks down or up."""
 STANCE_DEPTH: Final = 0.02
 """Of how far away a foot stands, as a share of that: keyframes are posed at such distances."""
-UPRIGHT_ACROSS_RAD, UPRIGHT_ALONG_RAD = np.radians(2.0), np.radians(4.0)
+UPRIGHT_ACROSS_RAD = np.radians(2.0)
+UPRIGHT_ALONG_RAD = np.radians(4.0)
 """Of how far the mean line from the feet that stand to the centre of mass is off the vertical,
 across the view and along it: seven films of four calibrated cameras, of a man on a beam and of a
 man who walks and squats."""
-USUAL_FORWARD_RAD, FORWARD_LEAN_RAD = np.radians(3.0), np.radians(4.0)
+USUAL_FORWARD_RAD = np.radians(3.0)
+FORWARD_LEAN_RAD = np.radians(4.0)
 """How far that leans forward of the ankles, and the standard deviation of that."""
 JERK_M_S3: Final = {
     "waist": 225.0,

@@ -127,7 +127,8 @@ class Near:
         return SharedRows.alone(posed.skeleton.dof_count, r, unknown, np.diag(self.scale))
 
 
-SECOND, THIRD = (1, -2, 1), (-1, 3, -3, 1)
+SECOND = (1, -2, 1)
+THIRD = (-1, 3, -3, 1)
 """Differences: third ones leave free flight and steady pushes alone."""
 
 

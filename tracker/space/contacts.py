@@ -20,21 +20,27 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
-START_M_S, STAY_M_S = 0.30, 0.55
+START_M_S = 0.30
+STAY_M_S = 0.55
 """A stance begins below the first speed and lasts until the second is passed."""
 DEPTH_SHARE = 0.15
 """How much of the speed along the view counts."""
-ACROSS_S, DEPTH_S = 0.025, 0.08
+ACROSS_S = 0.025
+DEPTH_S = 0.08
 """Widths of the Gaussians that places are smoothed with."""
-LEAST_S, GAP_S = 0.09, 0.05
+LEAST_S = 0.09
+GAP_S = 0.05
 """A shorter stance is none; a shorter gap does not end one."""
-LOW_M, NEAR_S = 0.12, 0.75
+LOW_M = 0.12
+NEAR_S = 0.75
 """How far above its lowest place, within so long before and after, a foot may stand."""
 STEP_M = 0.30
 """How far above another that stands: one foot on a beam or a stair, but none held up still."""
-STAYS_S, BELOW_WAIST_M = 0.25, 0.15
+STAYS_S = 0.25
+BELOW_WAIST_M = 0.15
 """The lowest foot that is still for so long, so far below the waist, stands at whatever height."""
-GUESSED_UP, GUESSED_STEP_M = np.array([0.0, -1.0, 0.0]), 0.40
+GUESSED_UP = np.array([0.0, -1.0, 0.0])
+GUESSED_STEP_M = 0.40
 """Where nobody knows how the camera tilts it is taken to stand level, and so much is allowed: feet
 0.3 m apart along the view differ by 0.1 m in a camera tilted by 20°."""
 MOVED_M = 0.08

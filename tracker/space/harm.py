@@ -20,7 +20,8 @@ from keypose.tracker.space.pinned import KNEES
 
 HarmKind: TypeAlias = Literal["picture", "knee"]
 
-MOST_SEEN_PX, MOST_SEEN_SHARE = 8.0, 0.02
+MOST_SEEN_PX = 8.0
+MOST_SEEN_SHARE = 0.02
 """By which a pin may move a joint of its limb in the picture: pixels, or a share of the body's
 height there where that is more."""
 MOST_BENT_RAD: Final = np.radians(10.0)

@@ -18,7 +18,8 @@ from keypose.tracker.space.result import SpaceResult
 
 AIR_M: Final = 0.03
 """A body whose lowest sole is higher above the floor is in the air."""
-HEEL_M, TOE_M = 0.06, 0.04
+HEEL_M = 0.06
+TOE_M = 0.04
 """How far the heel of a foot that turns on its toe moves at least, and the toe at most."""
 TIPPED_M: Final = 0.05
 """A foot whose toe is so much higher or lower beside its heel than usual in its stance lands or

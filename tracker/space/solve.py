@@ -81,7 +81,9 @@ from keypose.tracker.tracking.parts.limb_keyframes import (
 from keypose.tracker.tracking.segment import NEAREST_M
 
 FOOT: Final = "foot"
-FAST_M_S, LEAST_SHARE, NEAR_S = 2.0, 0.2, 0.1
+FAST_M_S = 2.0
+LEAST_SHARE = 0.2
+NEAR_S = 0.1
 """A foot has its jerk at this speed and above, a slower one as much less as it is slower, but no
 less than this share: what stands does not jerk, whatever the tracker's noise. Of the speeds within
 so many seconds the highest counts, so that a landing is as sharp as the step before it."""
@@ -125,7 +127,8 @@ def _share(speed: Array, frames_per_second: float) -> Array:
     return np.asarray(np.clip(highest / FAST_M_S, LEAST_SHARE, 1.0))
 
 
-SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
+SEEN_KERNEL = Huber(2.0)
+PIN_KERNEL = Huber(10.0)
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
 

@@ -17,7 +17,8 @@ from pathlib import Path
 
 from keypose.tracker.errors import FormatError, KeyposeError
 
-_USUAL, _PRIVATE = 0o666, 0o600
+_USUAL = 0o666
+_PRIVATE = 0o600
 """Modes of new files, less what the umask takes away."""
 
 

@@ -30,7 +30,8 @@ from keypose.tracker.keypoints.recognise_network import recognised
 from keypose.tracker.scratch import Scratch, sweep_scratch
 from keypose.tracker.storage.atomic import make_folder, write_file
 
-_GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
+_GZIP = b"\x1f\x8b"
+_ZIP = b"PK\x03\x04"
 _IN_ZIP: Final = "end2end.onnx"
 _PIPELINE: Final = "pipeline.json"
 LARGEST_PIPELINE_BYTES: Final = 2**20

@@ -28,7 +28,8 @@ from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.storage.up import estimated_up, motions_of
 from keypose.tracker.tracking.result import SegmentResult
 
-STEP_M, NEARER = 0.25, 0.1
+STEP_M = 0.25
+NEARER = 0.1
 """A foot that stands so much higher than most stands on something else than the floor; unless the
 floor lies behind it in the picture by such a share of its distance: depth is wrong by that."""
 UPSIDE_DOWN_RAD: Final = np.radians(60.0)

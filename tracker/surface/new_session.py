@@ -47,9 +47,11 @@ def guess_up(mesh: SurfaceMesh) -> UpAxis:
     return "+y" if y >= z else "+z"
 
 
-WIDTH, HEIGHT = 960, 720
+WIDTH = 960
+HEIGHT = 720
 FIELD_OF_VIEW = math.radians(35.0)
-FILLED_HEIGHT, FILLED_WIDTH = 0.70, 0.85
+FILLED_HEIGHT = 0.70
+FILLED_WIDTH = 0.85
 """The most of the picture that the surfaces take, wherever they move to …"""
 LEAST_HEIGHT = 0.35
 """… unless the first one then took less than this."""

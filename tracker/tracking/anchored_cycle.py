@@ -43,7 +43,8 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
 
-IN_PASSES, IN_REFINEMENT = 0.5, 1.5
+IN_PASSES = 0.5
+IN_REFINEMENT = 1.5
 """By how much steadied keypoints are surer than single ones. Passes come after one that single
 keypoints have led, and leave the more to brightness."""
 

@@ -31,7 +31,8 @@ from keypose.tracker.tracking.segment import Segment, distance_px, is_sound
 
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
-EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
+EXACT_ALLOWANCE = 1.15
+PLAIN_ALLOWANCE = 1.05
 """Share of the passes' score that the refinement may have; near the noise shares say nothing."""
 NOWHERE_PX = 1e6
 """Distance to a point that is behind the camera or undefined."""

@@ -23,14 +23,16 @@ from keypose.tracker.solver.sigmas import PREDICTED, MotionSigma
 from keypose.tracker.video.pyramid import TARGET_ONLY, USABLE, Picture
 
 POINT_SPACING_PX = 2.3
-MOST_POINTS, FEWEST_POINTS = 14000, 5000
+MOST_POINTS = 14000
+FEWEST_POINTS = 5000
 """On all sides of the body together, at density 1."""
 FACING = 0.1
 COVER_TOLERANCE = 0.018
 """Of the body's size: how far a point may lie behind another part and still count as seen."""
 INFORMATION_PER_PIXEL = 0.0125
 """Independent observations per pixel: neighbouring pixels share texture and noise."""
-STOOD_SHARE, FEWEST_STOOD = 0.4, 8
+STOOD_SHARE = 0.4
+FEWEST_STOOD = 8
 """A part stood where the empty scene was taken if that leaves less of its points, of so many."""
 
 

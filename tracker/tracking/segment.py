@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.video.pyramid import Clip
 
-NEAREST_M, FURTHEST = 0.05, 50.0
+NEAREST_M = 0.05
+FURTHEST = 50.0
 """A body nearer than this, or this many times further than it was keyed, has been lost."""
 
 

@@ -30,10 +30,13 @@ _TRIES = 24
 """Other endings, all of which must change nothing. One is enough in nearly every sound packet; in
 one that is all but empty several may happen to mean the same picture."""
 
-_PARAMETERS, _KEY_SLICE, _NEEDED = 7, 5, 0x60
+_PARAMETERS = 7
+_KEY_SLICE = 5
+_NEEDED = 0x60
 """Kinds of units of H.264, and the bits that say whether other pictures are built on one: on the
 slice of a key they always are (ITU-T H.264, 7.4.1)."""
-_BASELINE, _EXTENDED = 66, 88
+_BASELINE = 66
+_EXTENDED = 88
 """Profiles of H.264 that may hold slices twice, of which the decoder passes over one."""
 
 

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from keypose.tracker.errors import VideoError
 from keypose.tracker.video.picture import Mirrored
 
-NEAREST_MM, FARTHEST_MM = 4.0, 2000.0
+NEAREST_MM = 4.0
+FARTHEST_MM = 2000.0
 """Focal lengths, as a 35 mm film would have them, between which there are lenses."""
 
 LONGEST_NAME = 60

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 LEVELS = 3
 BLUR_PX = 0.8
-USABLE, TARGET_ONLY, IGNORED = STEPS, STEPS // 2, 0
+USABLE = STEPS
+TARGET_ONLY = STEPS // 2
+IGNORED = 0
 
 Picture = NDArray[np.int16]
 Usable = NDArray[np.uint8]

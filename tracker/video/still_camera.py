@@ -54,9 +54,12 @@ STILL_PX = 0.35
 """A cell stands still where the median of its corners, or its whole, has moved less."""
 GRID = 5
 """Cells along each side of the picture."""
-FEWEST_IN_CELL, FEWEST_CELLS, SHARE = 4, 6, 0.7
+FEWEST_IN_CELL = 4
+FEWEST_CELLS = 6
+SHARE = 0.7
 """Corners that make a cell speak; cells that must speak, and their share that must stand still."""
-CORNERS, CORNER_QUALITY = 500, 0.005
+CORNERS = 500
+CORNER_QUALITY = 0.005
 RETURN_PX = 0.5
 """A corner counts where it is followed back to within this of where it began."""
 MOST_MOVING = 0.5
@@ -65,21 +68,26 @@ SHIFT_SIGMA_PX = 0.05
 """A cell has a known shift where noise would leave it no less certain than this."""
 NOISE_GREY = 1.0
 """What the smoothed pictures of a still scene differ by, grey levels, compression included."""
-BLANK_GREY, BLANK_SHARE = 1.0, 0.5
+BLANK_GREY = 1.0
+BLANK_SHARE = 0.5
 """A cell shows nothing where grey levels have a smaller standard deviation, and a frame is blank,
 or a title card, with no more than this of the cells that show something in the fullest one."""
-FADED, AS_LIKE, LITTLE = 0.6, 0.9, (32, 18)
+FADED = 0.6
+AS_LIKE = 0.9
+LITTLE = (32, 18)
 """A frame has faded where it has less of the contrast of the one that has most, and correlates with
 the usual one, both made so small, nearly as the others do: what pans to the sky does not. What
 compression leaves of such a frame lies a pixel or two aside."""
 LEAST_GAIN = 0.1
 """A smaller change of contrast is no fade."""
-FITTED_EVERY, FIT_ROUNDS = 11, 5
+FITTED_EVERY = 11
+FIT_ROUNDS = 5
 """Pixels that the brightness of a faded frame is fitted by, and rounds without those that move."""
 AROUND_PX = 5
 """Room around moving pixels in which a corner's window would hold them."""
 
-WINDOW_PX, HALVED = (15, 15), 1
+WINDOW_PX = (15, 15)
+HALVED = 1
 """Coarser levels are left out: how far a corner has gone that went far need not be known."""
 
 

@@ -23,17 +23,21 @@ LEAST_SHARE: Final = 0.04
 """A segment is at least so long, a share of the picture's height."""
 STEEP_DEG: Final = 35.0
 """Farther from the picture's own vertical a line is hardly an upright one."""
-END_PX, MOST_OFF_RAD, LEAST_OFF_RAD = 2.0, 0.03, 0.006
+END_PX = 2.0
+MOST_OFF_RAD = 0.03
+LEAST_OFF_RAD = 0.006
 """How far the end of a segment is off, and what its direction is off by, at most and at least."""
 AGREES: Final = 2.0
 """So many of these a segment may be off."""
-MOST_TILT_RAD, MOST_ROLL_RAD = np.radians(50.0), np.radians(20.0)
+MOST_TILT_RAD = np.radians(50.0)
+MOST_ROLL_RAD = np.radians(20.0)
 """How far from level a camera is looked for."""
 ONE_THING_RAD: Final = np.radians(0.7)
 """As seen from the camera, segments this near to each other may lie along one upright thing."""
 APART: Final = 0.02
 """Sine of the angle between the planes of two segments that say where they meet."""
-TRIES, ROUNDS = 1500, 5
+TRIES = 1500
+ROUNDS = 5
 BAR_SPREAD: Final = 3.0
 """Standard deviation of the grey levels of a bar at the picture's side, at most."""
 BAR_PX: Final = 4.0
@@ -43,7 +47,8 @@ LEAST_SIGMA_DEG: Final = 0.5
 cameras were calibrated it is 0.6–1.0° off, of which the lines alone would tell 0.4–0.8°."""
 MOST_SIGMA_RAD: Final = np.radians(2.5)
 """Lines that tell less are not taken alone where nobody looks at them."""
-LEAST_AGREEING, LEAST_THINGS = 0.4, 7
+LEAST_AGREEING = 0.4
+LEAST_THINGS = 7
 """The share of all length that has to agree, and along how many things: lines that lean this way
 and that agree on six by chance; seven films of walls and windows show eight and more."""
 

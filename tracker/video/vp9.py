@@ -3,9 +3,11 @@ header."""
 
 from __future__ import annotations
 
-_FRAME_MARKER, _SYNC_CODE = 2, 0x498342
+_FRAME_MARKER = 2
+_SYNC_CODE = 0x498342
 _RGB = 7
-_MIN_TILE_BLOCKS, _MAX_TILE_BLOCKS = 4, 64
+_MIN_TILE_BLOCKS = 4
+_MAX_TILE_BLOCKS = 64
 """Columns of blocks of 64 × 64 samples that one tile has, at least and at most."""
 _SEGMENTS = 8
 _FEATURE_BITS = ((8, True), (6, True), (2, False), (0, False))

@@ -22,7 +22,8 @@ from keypose.tracker.video import Video
 from keypose.tracker.video.glimpse import first_picture
 from keypose.tracker.video.picture import Picture
 
-WIDTH, HEIGHT = 192, 112
+WIDTH = 192
+HEIGHT = 112
 QUALITY = 82
 ROOM = 1.2
 """The picture's height over the body's, where the video is large enough."""

@@ -32,7 +32,8 @@ from keypose.tracker.tracking.result import SegmentResult
 
 HIDDEN_BELOW = 0.35
 """A part that is less visible than this is hatched, as on the page's timeline."""
-LEAST_MOTION_DEG, LEAST_MOTION_M = 1.0, 0.005
+LEAST_MOTION_DEG = 1.0
+LEAST_MOTION_M = 0.005
 """An angle, a place that moves less than this gets no curve."""
 AXES = ("x", "y", "z")
 

@@ -14,7 +14,8 @@ import numpy as np
 from keypose.app.export.report.markup import Child, Html, element
 from keypose.tracker.geometry.rotations import Array
 
-WIDTH, HEIGHT = 1000.0, 100.0
+WIDTH = 1000.0
+HEIGHT = 100.0
 MOST_COLUMNS = 500
 """A curve of more frames is drawn by the lowest and the highest value of every column."""
 

@@ -20,7 +20,8 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.files import open_own, read_own
 from keypose.tracker.storage.atomic import make_folder
 
-FOLDER, NAME = ".keypose-batch", "journal.jsonl"
+FOLDER = ".keypose-batch"
+NAME = "journal.jsonl"
 LARGEST_BYTES = 64 * 2**20
 
 

@@ -31,7 +31,8 @@ from keypose.tracker.video import Video
 
 NAME = "batch-report.html"
 TITLE = "Keypose batch report"
-MOST_CHARTS, MOST_PICTURES = 12, 3
+MOST_CHARTS = 12
+MOST_PICTURES = 3
 """Of one session; its own report shows all."""
 LARGEST_PICTURE_BYTES = 2**22
 APART = "margin-top: 16px"

@@ -219,7 +219,8 @@ def _finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else round(float(value), 4)
 
 
-CROP_SHARE, LEAST_CROP_PX = 0.25, 40
+CROP_SHARE = 0.25
+LEAST_CROP_PX = 40
 """Side of the picture beside a place: of the body's height, and at least."""
 
 

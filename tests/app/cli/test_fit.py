@@ -25,7 +25,8 @@ from tests.app import surface_cases as cases
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker import session_cases
 
-NEAR_M, NEAR_RAD = 0.03, np.deg2rad(8)
+NEAR_M = 0.03
+NEAR_RAD = np.deg2rad(8)
 """The sample's voxels are 4 cm wide."""
 
 

@@ -15,7 +15,8 @@ from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_t
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from tests.app.editor.desk import after, desk
 
-LIMB_PX, BODY_PX = 3.0, 5.0
+LIMB_PX = 3.0
+BODY_PX = 5.0
 """How near the joints stay to their pixels: the worst of a limb, and the mean of the body, whose
 joints do not all bend that way."""
 

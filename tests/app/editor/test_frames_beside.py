@@ -14,7 +14,8 @@ from keypose.tracker.solver.depth_turn import turned_in_depth
 from tests.app.editor.desk import after, desk
 
 FRAME = 48
-SHOULDER, ELBOW = "left_upper_arm", "left_forearm"
+SHOULDER = "left_upper_arm"
+ELBOW = "left_forearm"
 
 
 def drafted(state: EditorState, poses: dict[int, Pose]) -> EditorState:

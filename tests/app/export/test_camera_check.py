@@ -20,7 +20,10 @@ from keypose.tracker.session import Session, VideoReference
 from keypose.tracker.video import Video
 from tests.tracker import session_cases as cases
 
-COUNT, WIDTH, HEIGHT, FOCAL = 48, 256, 144, 300.0
+COUNT = 48
+WIDTH = 256
+HEIGHT = 144
+FOCAL = 300.0
 FLIP = np.diag([1.0, -1.0, -1.0])
 FIRST = 20
 """Number of the film's first picture."""

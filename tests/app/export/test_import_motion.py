@@ -53,7 +53,8 @@ SESSION = recordings.session("person")
 SKELETON = Skeleton.of(SESSION.subject.body)
 NAMES = joint_names(SKELETON)
 TIMES_S = np.arange(len(TRUTH)) / 30
-R, P = exp_rotation([0.4, -1.1, 2.0]), np.array([4.0, -7.0, 2.5])
+R = exp_rotation([0.4, -1.1, 2.0])
+P = np.array([4.0, -7.0, 2.5])
 """Another world."""
 
 

@@ -16,7 +16,8 @@ from keypose.tracker.storage.files import open_video_of
 from keypose.tracker.video.info import VideoInfo
 from tests.tracker.formats import recordings
 
-SESSION, TRUTH = recordings.session("person"), recordings.trajectory("person")
+SESSION = recordings.session("person")
+TRUTH = recordings.trajectory("person")
 SKELETON = Skeleton.of(SESSION.subject.body)
 DEEPLABCUT = "scorer,net,net,net\nbodyparts,nose,nose,nose\ncoords,x,y,likelihood\n0,1,2,0.9\n"
 

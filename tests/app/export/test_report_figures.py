@@ -187,7 +187,8 @@ def hatched(observability: list[float], path: Path) -> list[tuple[str, str]]:
     return re.findall(r'<i class="hidden" style="(.*?)" title="Hidden (.*?)"', row)
 
 
-SEEN, HIDDEN = 0.9, 0.05
+SEEN = 0.9
+HIDDEN = 0.05
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,9 @@ from keypose.tracker.storage.sidecars import save_keypoints
 from tests.tracker import session_cases as cases
 from tests.tracker.fitting.draft.clips import CAMERA, joints_of, walk
 
-FRAMES, POSED, BESIDE_PX = 40, 20, (9.0, -6.0)
+FRAMES = 40
+POSED = 20
+BESIDE_PX = (9.0, -6.0)
 ELBOW = JOINTS.index("left_elbow")
 WALK = walk(FRAMES, 60)
 NEAR = range(POSED + 1, POSED + 6)

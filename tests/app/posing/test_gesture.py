@@ -16,7 +16,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 from tests.app.posing.posing_cases import PERSON, as_sent, gesture, points, sights, walking
 
-MOST_CALLS, MOST_CALLS_OF_TRUNK = 5000, 8000
+MOST_CALLS = 5000
+MOST_CALLS_OF_TRUNK = 8000
 """Of one move of the pointer; the trunk is found in a few steps of least squares."""
 """About two milliseconds of a usual computer. Calls are counted: a time would depend on it, and on
 what else it does."""

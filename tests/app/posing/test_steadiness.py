@@ -29,7 +29,8 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 
-STEP_M, FAR_M = 0.03, 0.6
+STEP_M = 0.03
+FAR_M = 0.6
 CLOSE_M = 2e-5
 """Pointer positions as near to each other as this must give the same pose but for JUMP."""
 JUMP = math.radians(12)

@@ -8,7 +8,9 @@ import pytest
 from keypose.app.render.palette import SIDE_COLOURS
 from keypose.app.render.strokes import OCCLUDED_OPACITY, Lines, paint_lines
 
-WHITE, ROW, THICKNESS = 255, 20, 2
+WHITE = 255
+ROW = 20
+THICKNESS = 2
 
 
 def painted(hidden: bool) -> np.ndarray:  # type: ignore[type-arg]

@@ -34,7 +34,8 @@ def ball(rings: int) -> SurfaceMesh:
     return SurfaceMesh(p.reshape(-1, 3) + np.array([0, 0, 4]), faces)
 
 
-FINE, COARSE = ball(150), ball(20)
+FINE = ball(150)
+COARSE = ball(20)
 
 
 def parts_of(glb: bytes) -> tuple[dict[str, Any], bytes]:

@@ -26,7 +26,8 @@ from keypose.tracker.storage.files import load_session
 from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
 from tests.tracker.formats import recordings
 
-TRUTH, SESSION = recordings.trajectory("person"), recordings.session("person")
+TRUTH = recordings.trajectory("person")
+SESSION = recordings.session("person")
 BVH = recordings.bvh_of(Skeleton.of(SESSION.subject.body), TRUTH, 1 / 30).encode()
 PARTS = ("nose", "left_shoulder", "right_shoulder", "left_hip", "right_hip")
 

@@ -16,7 +16,8 @@ from keypose.tracker.body.resampling import (
 )
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
-RATE, CUTOFF = 30.0, 6.0
+RATE = 30.0
+CUTOFF = 6.0
 KERNEL = low_pass_kernel(CUTOFF, RATE)
 TIMES_S = np.arange(300) / RATE
 INNER = slice(40, -40)

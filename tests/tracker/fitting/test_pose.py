@@ -27,7 +27,8 @@ from tests.rendering.render import render
 from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import CAMERA, SMALL, Case, MemoryVideo, case
 
-HERE, NEAR = 8, (0, 16)
+HERE = 8
+NEAR = (0, 16)
 
 
 @pytest.fixture(scope="module")

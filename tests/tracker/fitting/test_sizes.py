@@ -37,7 +37,8 @@ from tests.rendering.scenes import camera
 
 GIVEN = preset("adult_male")
 CAMERA = camera()
-KEYS, OTHERS = (8, 30, 55, 85), (0, 70, 118)
+KEYS = (8, 30, 55, 85)
+OTHERS = (0, 70, 118)
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,8 @@ from keypose.tracker.formats.smpl import JOINTS, smpl_of
 from keypose.tracker.geometry.rotations import Array, log_rotation
 from tests.tracker.formats import recordings
 
-SESSION, TRUTH = recordings.session("person"), recordings.trajectory("person")
+SESSION = recordings.session("person")
+TRUTH = recordings.trajectory("person")
 SKELETON = Skeleton.of(SESSION.subject.body)
 TIMES_S = np.arange(len(TRUTH)) / 30
 ORIGIN = np.array([0.0, 0.25, -0.03])

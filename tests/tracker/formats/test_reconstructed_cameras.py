@@ -14,7 +14,9 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.cameras.camera_file import CameraReading
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 
-SIZE, FX, FY = (640, 360), 700.0, 690.0
+SIZE = (640, 360)
+FX = 700.0
+FY = 690.0
 COUNT = 6
 T = np.linspace(0, 1, COUNT)
 Rs_WORLD_CAMERA = Rotation.from_euler("YXZ", np.stack([20 * T, -9 * T, 3 * T], 1), True).as_matrix()

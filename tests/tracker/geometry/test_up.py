@@ -11,7 +11,8 @@ from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.geometry.up import UpEvidence, UpSource, combined, up_of_one
 
 LEVEL = np.array([0.0, -1.0, 0.0])
-SIDE, AHEAD = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+SIDE = np.array([1.0, 0.0, 0.0])
+AHEAD = np.array([0.0, 0.0, 1.0])
 
 
 def tilted(deg: float, about: Array = SIDE) -> Array:

@@ -20,7 +20,8 @@ from keypose.tracker.video.video import Video
 BALANCE = Path(sample_videos.__file__).with_name("balance")
 BOX = (220.0, 200.0, 390.0, 680.0)
 """Around the man at the first frame, as roughly as one draws it."""
-WIDTH, HEIGHT = 320, 240
+WIDTH = 320
+HEIGHT = 240
 SIDE = 100.0
 NO_MASK = PersonMask.of(Region(0.0, 0.0, 1.0), np.zeros((MASK_SIDE, MASK_SIDE)))
 """Of a network whose masks do not matter."""

@@ -12,7 +12,8 @@ FOUND = Keypoints(
     5, JOINTS, RNG.uniform(10, 90, (4, 12, 2)), RNG.uniform(0.2, 0.9, (4, 12)),
     RNG.normal(size=(4, 12, 3)),
 )  # fmt: skip
-WRIST, OTHER = JOINTS.index("left_wrist"), JOINTS.index("right_wrist")
+WRIST = JOINTS.index("left_wrist")
+OTHER = JOINTS.index("right_wrist")
 MOVED = KeypointCorrection(frame=6, joint="left_wrist", uv=(12.0, 34.0))
 HIDDEN = KeypointCorrection(frame=7, joint="left_wrist")
 

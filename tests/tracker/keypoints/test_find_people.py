@@ -69,7 +69,9 @@ def person(left: float, height: float, confidence: float = 0.8) -> FoundPerson:
     return FoundPerson((left, 100.0, left + 50.0, 100.0 + height), confidence)
 
 
-TALL, OTHER, CHILD = person(10, 200), person(300, 150, 0.6), person(200, 80)
+TALL = person(10, 200)
+OTHER = person(300, 150, 0.6)
+CHILD = person(200, 80)
 FILMS = {
     "one, where they are surest": (
         {3: [person(10, 200, 0.5)], 9: [TALL]}, PeopleInFilm(9, (TALL,), {})

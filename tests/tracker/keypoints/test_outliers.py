@@ -9,7 +9,10 @@ from numpy.typing import NDArray
 from keypose.tracker.keypoints.outliers import excursions
 
 HEIGHT_PX = 400.0
-FRAMES, HIP, KNEE, ANKLE = 30, 0, 1, 2
+FRAMES = 30
+HIP = 0
+KNEE = 1
+ANKLE = 2
 
 
 def walking() -> NDArray[np.float64]:

@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
-_FLOAT32, _INT64 = 1, 7
-_INT, _TEXT, _INTS = 2, 3, 7
+_FLOAT32 = 1
+_INT64 = 7
+_INT = 2
+_TEXT = 3
+_INTS = 7
 """Types of attributes."""
 
 

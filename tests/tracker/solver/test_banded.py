@@ -12,7 +12,8 @@ from keypose.tracker.solver.banded import banded_step, bordered_step
 
 Floats = NDArray[np.float64]
 
-FRAMES, DOFS = 6, 3
+FRAMES = 6
+DOFS = 3
 SIZE = FRAMES * DOFS
 
 

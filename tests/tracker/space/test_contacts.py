@@ -19,7 +19,9 @@ Bools = NDArray[np.bool_]
 
 NAMES = ("walk", "stride", "crossing", "jump", "jumping_jacks")
 FEET = ("left_foot", "right_foot")
-STANDS_M_S, LOW_M, AIR_M = 0.30, 0.06, 0.10
+STANDS_M_S = 0.30
+LOW_M = 0.06
+AIR_M = 0.10
 """A foot stands where its ankle, heel or toe moves slower, over a tenth of a second, and its sole
 is not higher above where it mostly stands; feet of people and of written walks slide that much."""
 

@@ -21,9 +21,13 @@ from tests.rendering.mocap import needs_mocap, walk
 from tests.tracker.formats.recordings import SAMPLES, recorded
 from tests.tracker.space.space_cases import UP
 
-FPS, STRIDE, STANCE = 50.0, 60, 36
+FPS = 50.0
+STRIDE = 60
+STANCE = 36
 """Of the constructed walk: frames of a stride, and of those that a foot is on the ground."""
-LENGTH_M, WIDTH_M, FOOT_M = 1.4, 0.16, 0.25
+LENGTH_M = 1.4
+WIDTH_M = 0.16
+FOOT_M = 0.25
 SKELETON = Skeleton.of(preset("adult_male"))
 
 

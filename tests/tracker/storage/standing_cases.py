@@ -22,7 +22,8 @@ from keypose.tracker.video.upright_lines import UprightLines
 from tests.rendering.scenes import Scene, scene
 from tests.tracker import session_cases as cases
 
-FPS, KEYS = 30.0, (0, 30, 60, 90)
+FPS = 30.0
+KEYS = (0, 30, 60, 90)
 TILT_DEG = 10.0
 
 

@@ -33,7 +33,9 @@ from keypose.tracker.video import Video
 from tests.tracker import panned_cases as panned
 from tests.tracker.storage.standing_cases import KEYS, session_of, tracked, walk
 
-COUNT, CUT, UNITS = KEYS[-1] + 1, 45, (2.0, 0.5)
+COUNT = KEYS[-1] + 1
+CUT = 45
+UNITS = (2.0, 0.5)
 
 
 def carried(metres: tuple[float | None, float | None]) -> tuple[Session, dict[Span, SegmentResult]]:

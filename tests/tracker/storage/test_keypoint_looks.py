@@ -26,7 +26,8 @@ from keypose.tracker.storage.tracking import keypoint_source
 from keypose.tracker.tracking.cues import sources
 from tests.tracker.keypoints.keypoint_cases import BALANCE
 
-BOTH, ALL = ("brightness", "keypoints"), ("brightness", "keypoints", "silhouette")
+BOTH = ("brightness", "keypoints")
+ALL = ("brightness", "keypoints", "silhouette")
 
 
 @pytest.mark.parametrize(

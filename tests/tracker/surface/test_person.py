@@ -26,7 +26,8 @@ from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, studio
 PLACED = Placement("m", "-y", np.zeros(3))
 """As the camera frame: what is written lies where the ball does."""
 VIEWS, SHOTS = studio(3)
-WIDTH, HEIGHT = VIEWS[0].camera.width, VIEWS[0].camera.height
+WIDTH = VIEWS[0].camera.width
+HEIGHT = VIEWS[0].camera.height
 WHOLE = Region((WIDTH - 1) / 2, (HEIGHT - 1) / 2, WIDTH)
 BALL = Region(320.0, 240.0, 256.0)
 VOXEL_M = 0.02

@@ -17,7 +17,9 @@ from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.surface.source import SurfaceSteps
 from tests.tracker.surface.test_picture import Meshes
 
-WIDTH, HEIGHT, STEPS = 96, 72, 2
+WIDTH = 96
+HEIGHT = 72
+STEPS = 2
 
 
 def images(folder: Path, count: int = STEPS) -> str:

@@ -19,7 +19,8 @@ from tests.tracker.surface.surfaces import BOXES, CAPSULES, ROUND, bent, surface
 
 POSE = bent(two_bars(), 0.4, (0.2, 0.3, -0.1))
 ASIDE = np.array([1.0, 0.0, 0.0])
-ROUGH_SIZES, WRONG_SIZES = (0.85, 0.9, 1.0, 1.1, 1.15), (0.1, 0.33, 0.5, 3.0, 10.0)
+ROUGH_SIZES = (0.85, 0.9, 1.0, 1.1, 1.15)
+WRONG_SIZES = (0.1, 0.33, 0.5, 3.0, 10.0)
 
 needs_human = pytest.mark.skipif(
     not (DATA / "mesh_walk" / "meta.json").is_file(), reason="the animated human is not here"

@@ -9,7 +9,8 @@ from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.tracking.result import COLUMNS, Diagnostics, SegmentResult, side_by_side
 from tests.tracker import session_cases as cases
 
-PARTS, DOFS = 3, 5
+PARTS = 3
+DOFS = 5
 
 
 def measured(frames: int, gain: bool = True) -> Diagnostics:

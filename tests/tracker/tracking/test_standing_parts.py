@@ -12,7 +12,8 @@ from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import Case, tracked
 
 MOVED = ("upper_arm", "forearm", "hand", "head")
-FIRST, LAST = 10, 25
+FIRST = 10
+LAST = 25
 
 
 @pytest.fixture(scope="module")

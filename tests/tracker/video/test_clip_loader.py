@@ -32,7 +32,8 @@ from keypose.tracker.video.pyramid import (
 )
 from tests.tracker.tracking_cases import MemoryVideo
 
-WIDTH, HEIGHT = 80, 60
+WIDTH = 80
+HEIGHT = 60
 CAMERA = Camera(width=WIDTH, height=HEIGHT, fx=70.0, fy=72.0, cx=40.5, cy=29.25)
 LARGE = Camera(width=251, height=187, fx=230.0, fy=230.0, cx=125.0, cy=93.0)
 Pictures = NDArray[np.uint8]

@@ -19,7 +19,8 @@ from keypose.tracker.video.still_camera import smooth
 from tests.tracker.camera_cases import SMALL, rendered, turned
 from tests.tracker.tracking_cases import MemoryVideo
 
-FRAMES, SIDE = 40, 30
+FRAMES = 40
+SIDE = 30
 RS = np.stack([turned(0.5 * k, 0.4 * np.sin(1.7 * k), 0.2 * np.sin(k)) for k in range(FRAMES)])
 EMPTY = np.stack([rendered(SMALL, R) for R in RS])
 GAINS = 1 + 0.15 * np.sin(np.arange(FRAMES) / 5)

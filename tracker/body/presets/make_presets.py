@@ -140,13 +140,15 @@ CHILD = Proportions(  # estimates, all of them
 
 # Estimates: a solid that is too thick claims points of the background, one that is too thin only
 # loses some of its own, so all girths are taken slightly under.
-LIMB, TRUNK = 0.95, 0.95
+LIMB = 0.95
+TRUNK = 0.95
 RELAXED = 0.94
 """Relaxed girth over flexed girth, which is what [A] measured on the arm."""
 
 GIVE = 10
 """Estimate: what a wrist and an ankle yield about their own length."""
-KNEE_GIVE, ELBOW_GIVE = 4, 6
+KNEE_GIVE = 4
+ELBOW_GIVE = 6
 """Estimates: what hinges yield across their axis, the shin's own turn among it. Knees of people
 who walk are adducted by up to 5°."""
 

@@ -34,11 +34,13 @@ FEWEST = 12
 """Frames from which a length is known."""
 USUAL: Final = 0.08
 """Standard deviation of people's proportions about the preset's."""
-DOUBT, SHOULDER_DOUBT = 0.04, 0.15
+DOUBT = 0.04
+SHOULDER_DOUBT = 0.15
 """Those of the network's, which puts shoulders mostly too near each other."""
 LARGEST: Final = 0.15
 """By which a length is changed at most, beside the others."""
-_TRUNK, _SIZE_SHOULDERS = "trunk", "shoulders"
+_TRUNK = "trunk"
+_SIZE_SHOULDERS = "shoulders"
 
 
 def with_proportions(body: Body, observed: Observed) -> Body:
@@ -122,7 +124,8 @@ NEAREST_M = 0.3
 """A body is not put nearer to the camera."""
 STRAIGHT = 0.05
 """How much the hinge's plane is held to that of the least turn: it decides for a straight limb."""
-ROUNDS, FAR = 3, 2.0
+ROUNDS = 3
+FAR = 2.0
 """Robust rounds of placing; joints farther off than so many times the median count less."""
 LEAST_PX = 1e-3
 """Nothing is seen more exactly."""

@@ -33,7 +33,10 @@ from keypose.tracker.solver.projection import image_points
 
 NEAR_FRAMES = 10
 """Before and after a frame, in which a bone that points the same way is asked as well."""
-BASE, BY_ALONG, BY_APART, OF_LEG = -1.1, -16.3, 10.3, -3.0
+BASE = -1.1
+BY_ALONG = -16.3
+BY_APART = 10.3
+OF_LEG = -3.0
 """Logistic regression of mirrored bones, distances in metres: four cameras around a filmed man
 whose joints in space are known, area under the curve 0.91, each camera judged by the other three.
 Joint limits, visibility and distances from keypoints add nothing, nor does what the

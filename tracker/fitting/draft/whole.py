@@ -52,7 +52,8 @@ from keypose.tracker.tracking.segment import NEAREST_M
 HEAD: Final = "head"
 ROUNDS: Final = 3
 FOOT_ENDS: Final = ("heel", "foot_index")
-WINDOW, OVERLAP = 120, 24
+WINDOW = 120
+OVERLAP = 24
 """Frames of a window, and of those that the next one solves again."""
 
 

@@ -106,13 +106,17 @@ OTHER_STARTS = 4
 START_SHARE = 0.8
 AGREEING = 0.6
 """Share of the difference to neighbouring keyframes below which they are as exact as can be."""
-BETTER_TIDIED, OTHER_OUTLINE = 0.9, 0.06
+BETTER_TIDIED = 0.9
+OTHER_OUTLINE = 0.06
 """What must be gained for neighbouring keyframes to be taken otherwise than they were posed: share
 of the difference that may remain, or nats for each pixel of the outline."""
-BETTER_MATCH, BETTER_OUTLINE = 0.9, 0.02
+BETTER_MATCH = 0.9
+BETTER_OUTLINE = 0.02
 """What must be gained for a pose to be moved: share of the difference to the neighbours that may
 remain, and nats for each pixel of the outline."""
-CLEARLY, CLEARLY_ALONE, OUTLINE_PIXELS = 16.0, 10.0, 100.0
+CLEARLY = 16.0
+CLEARLY_ALONE = 10.0
+OUTLINE_PIXELS = 100.0
 """What a pose must gain on joints, less what it strays from the one as set, with what its outline
 gains, or without one, to be moved by them: nats. The outline counts as so many pixels, since those
 side by side err alike. Poses that were right gain up to 14, those off by 3° 18 and more, mostly."""

@@ -25,7 +25,8 @@ SIDE = 16
 """Colour steps along each axis of a histogram."""
 NEAR_M = 0.14
 """How far around the body its background colours are learnt."""
-RIM_PX, CORE_PX = 3, 2
+RIM_PX = 3
+CORE_PX = 2
 """What is left out on both sides of the body's edge where colours are learnt."""
 AROUND_PX = 40
 """What is cut out around the body: enough for its background, and for poses nearby."""
@@ -38,7 +39,8 @@ TEMPER = 6.0
 """Neighbouring pixels share their colour: so many count as one."""
 EVERY = 4
 """One contour pixel of so many has a line."""
-CLEAR_REACH_M, CLEAR_M = 0.055, 0.02
+CLEAR_REACH_M = 0.055
+CLEAR_M = 0.02
 """An edge is clear where it is placed as well as the latter, sought so far to both sides."""
 MOST_SPREAD = 0.8
 """A line whose edge may lie nearly anywhere on it (share of a uniform variance) is not used."""

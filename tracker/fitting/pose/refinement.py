@@ -115,7 +115,8 @@ ROUGH = 4
 """Of the finest ones, the first few still allow the pose to be far off."""
 REACH_M = (0.03, 0.055, 0.1)
 """How far from an edge the picture's own is sought, at each level."""
-LOOK_AGAIN, LEARN_AGAIN = 3, 3
+LOOK_AGAIN = 3
+LEARN_AGAIN = 3
 """Solves after which visibility and colours are found anew."""
 DECISIVE = 1.0
 """Information of the picture, as a share of the prior's, above which it decides a direction."""

@@ -24,7 +24,9 @@ from keypose.tracker.geometry.view import ViewCamera
 
 BINS = (16, 32, 32)
 """Of lightness and of the two colour axes of CIE Lab."""
-CORE_PX, COLOURS_NEAR_PX, AROUND_PX = 2.5, 8.0, 40.0
+CORE_PX = 2.5
+COLOURS_NEAR_PX = 8.0
+AROUND_PX = 40.0
 """How deep inside a part its colours are learnt, and from where to where outside the body those of
 the background."""
 LEAST_PIXELS = 40

@@ -12,7 +12,8 @@ from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.shared import Shared
 
 WHAT = ("length", "width")
-MORE, LESS = ("longer", "wider"), ("shorter", "narrower")
+MORE = ("longer", "wider")
+LESS = ("shorter", "narrower")
 NO_GAIN = "No better sizes found. Unchanged."
 UNLIKELY = "The best fit was unrealistic, so it was not used. Set sizes by hand."
 

@@ -43,14 +43,16 @@ from keypose.tracker.video.clip_loader import WorkingSize
 if TYPE_CHECKING:
     from keypose.tracker.video import Video
 
-FIRST_PX, AGAIN_PX = (9.0, 9.0, 6.0, 5.0), (5.0, 5.0)
+FIRST_PX = (9.0, 9.0, 6.0, 5.0)
+AGAIN_PX = (5.0, 5.0)
 """How far from the body its contour is looked for, round by round: with all sizes free, and then
 with those alone that change."""
 MOST_LOOKED = 8
 """Keyframes whose pictures are looked at; where there are more, the others are posed anew only."""
 SEEN_SHARE = 2.0
 """So many times wider is the prior on sizes known to be off."""
-SURE, LEAST_PX = 2.5, (2.0, 0.8)
+SURE = 2.5
+LEAST_PX = (2.0, 0.8)
 """A size is changed where that is so many standard deviations, and where it moves an end, or
 both sides together, by so many pixels."""
 PLAUSIBLE = (0.12, 0.26)

@@ -24,7 +24,8 @@ from keypose.tracker.geometry.rotations import (
     transpose,
 )
 
-STILL_M, STILL_RAD = 1e-3, math.radians(0.01)
+STILL_M = 1e-3
+STILL_RAD = math.radians(0.01)
 """How far a camera that stands still may stray: files round."""
 ALIKE: Final = 0.01
 """By what share the sides of pictures may differ that are taken for the same."""
@@ -33,7 +34,9 @@ MOST_NUMBER: Final = 1e9
 LONGEST_WHOLE: Final = 4000
 """Digits of a whole number; Python reads none that are much longer."""
 
-UPRIGHT_DEG, LYING_DEG, HANGING_DEG = 45.0, 60.0, 120.0
+UPRIGHT_DEG = 45.0
+LYING_DEG = 60.0
+HANGING_DEG = 120.0
 """By which a camera leans that may be held so, one that is hardly, and one that is not."""
 
 Size: TypeAlias = tuple[int, int]

@@ -40,7 +40,8 @@ from keypose.tracker.geometry.rotations import (
 )
 
 LARGEST_BYTES: Final = 96 * 2**20
-COLMAP_COLUMNS, TUM_COLUMNS = 10, 8
+COLMAP_COLUMNS = 10
+TUM_COLUMNS = 8
 CAMERAS_FILE: Final = "cameras.txt"
 _NUMBER = re.compile(r"\d{1,9}(?=\D*$)")
 _LENSES: Final = {

@@ -16,7 +16,9 @@ from keypose.tracker.formats.opensim.model import Scaled
 from keypose.tracker.geometry.rotations import Array
 
 OPENSIM_DOCUMENT_VERSION = "40000"
-MARKERS_FILE, SCALE_FILE, IK_FILE = "markers.xml", "scale.xml", "ik.xml"
+MARKERS_FILE = "markers.xml"
+SCALE_FILE = "scale.xml"
+IK_FILE = "ik.xml"
 MOTION_FILE = "motion.mot"
 ERRORS_FILE = "motion-errors.mot"
 

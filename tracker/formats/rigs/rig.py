@@ -33,7 +33,8 @@ from keypose.tracker.formats.rigs.on_body import (
 from keypose.tracker.formats.rigs.table import SIDES, Axes, table_of
 from keypose.tracker.geometry.rotations import Array, exp_rotation, frozen, transform, transpose
 
-_ARM, _LEG = ("upper_arm", "forearm", "hand"), ("thigh", "shin")
+_ARM = ("upper_arm", "forearm", "hand")
+_LEG = ("thigh", "shin")
 _DOWN = np.array([0.0, -1.0, 0.0])
 
 

@@ -21,7 +21,8 @@ from keypose.tracker.surface.fit.chain import Link
 from keypose.tracker.surface.fit.model import SurfaceModel
 from keypose.tracker.surface.fit.solving import UNSEEN
 
-LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
+LOST_UNEXPLAINED = 0.25
+LOST_UNCOVERED = 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""
 ROUGH_SHARE = 0.012
 """Of the surface's size: a part whose pairs lie farther apart is misplaced."""

@@ -88,7 +88,7 @@ def _residual(model: SurfaceModel, pairs: Pairs) -> Array:
 
 
 def _counts(model: SurfaceModel, pairs: Pairs) -> Array:
-    """The share of each part's points that would count as much if all had the same weight."""
+    """The mean weight of each part's own points, of 1 for those that count most."""
     own, count = model.own, model.skeleton.part_count
     points = np.maximum(np.bincount(own, minlength=count), 1)
     return np.asarray(np.bincount(own, point_weights(model, pairs), count) / points)

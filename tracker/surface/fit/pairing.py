@@ -19,7 +19,8 @@ from keypose.tracker.surface.fit.model import PosedSurface, SurfaceModel, Surfac
 from keypose.tracker.surface.fit.options import Options
 from keypose.tracker.surface.mesh import SurfaceMesh
 
-PHOTO_SLOPE, PHOTO_MIDDLE = 12.0, 0.4
+PHOTO_SLOPE = 12.0
+PHOTO_MIDDLE = 0.4
 """α_p and τ_p of SURFACE (3), for ZNCC of little noisy pictures."""
 CONTACT_SLOPE = 6.0
 """α_c · τ_c: at twice the middle distance all counts."""
@@ -57,7 +58,8 @@ def _switch(x: Array) -> Array:
 
 REACH_SHARE = 0.15
 """Of the surface's size: nothing is a pair that lies farther apart."""
-SPURIOUS, MUTUAL = 0.1, 0.5
+SPURIOUS = 0.1
+MUTUAL = 0.5
 """Of a pair's squared distance, that of its partner's own pair: below the one it is nothing, above
 the other it counts in full."""
 SPURIOUS_SHARE = 0.005

@@ -40,14 +40,17 @@ if TYPE_CHECKING:
 
 CHECKED_EVERY = 4
 """Steps between two looks back."""
-MISSED, UNSEEN = 1.7, 0.004
+MISSED = 1.7
+UNSEEN = 0.004
 """A part is off by so many times what following back misses the keyframe by, in the mean, and by
 such a share of the height for every step in which the picture does not show its motion."""
 
-MOST_BY_BRIGHTNESS, MOST_BY_KEYPOINTS = 0.03, 0.08
+MOST_BY_BRIGHTNESS = 0.03
+MOST_BY_KEYPOINTS = 0.08
 """Shares of the height: a part that is expected to be off by more is not trusted. What following
 back misses is less than what may be wrong; with keypoints it is the median of what may."""
-SURE, ELSEWHERE = 0.01, 0.06
+SURE = 0.01
+ELSEWHERE = 0.06
 """Shares of the height: brightness that expects a smaller error is sure; what it is sure of lies
 elsewhere when it is farther away than this."""
 

@@ -46,7 +46,8 @@ def occluded_fraction(scene: Scene, pose: Pose, part: int) -> tuple[float, int |
 
 INSIDE_SHARE: Final = 0.5
 """Of the marks that are in the picture at the keyframe: with fewer the body has left it."""
-CUT_GREY, CUT_TIMES = 20.0, 6.0
+CUT_GREY = 20.0
+CUT_TIMES = 6.0
 """Another scene begins where pictures differ by so many grey levels in the mean, and by so many
 times as much as they do as a rule."""
 HIDDEN_SHARE: Final = 0.5

@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from keypose.tracker.body.angle_errors import MEDIAN_OF_SIGMA
 from keypose.tracker.geometry.rotations import Array
 
-LEAST, LEAST_DRIFT = 0.003, 0.0001
+LEAST = 0.003
+LEAST_DRIFT = 0.0001
 """Below them differences between motions, and those of a step from what brightness says, say
 nothing."""
 
@@ -56,21 +57,27 @@ FITTED: Final = Weights(1.74, 0.584, 0.700, 0.180, 0.00415, 0.147)
 """By which half of the joints of all clips are off by less (`python -m bench evidence`)."""
 NEAR = 5
 """Frames on either side that count for a joint as well."""
-ALONE_BASE, ALONE_BY_DISTANCE = -2.68, 0.415
+ALONE_BASE = -2.68
+ALONE_BY_DISTANCE = 0.415
 """The same where there was one start only, as from keypoints alone: by their distance."""
 MOST = 0.5
 """Nothing is expected to be off by more."""
-GOOD, GOOD_ALONE, GOOD_JOINT = 0.0065, 0.0125, 0.03
+GOOD = 0.0065
+GOOD_ALONE = 0.0125
+GOOD_JOINT = 0.03
 """A segment is good whose joints are expected to be off by no more than this share of the height in
 the mean, by the second of one start, and none at any frame by more than the third. So is three
 quarters of those whose joints are at most 5 px off in the mean, on a person 400 px tall, and of the
 good ones 98 % are like that (`python -m bench evidence`)."""
-LOST, LOST_SHARE = 0.10, 0.15
+LOST = 0.10
+LOST_SHARE = 0.15
 """It is lost where so many joints, more than a limb has, are expected to be off by so much at all
 frames: half of these are off by more."""
-KEYED_WRONG, KEYED_SURE = 0.04, 0.8
+KEYED_WRONG = 0.04
+KEYED_SURE = 0.8
 """A joint of a keyframe is doubted that lies this far from a keypoint which is seen so well."""
-BACK, COMES_BACK = slice(1, 4), 0.5
+BACK = slice(1, 4)
+COMES_BACK = 0.5
 """In these frames after the one that follows a keyframe, a joint is back at its keypoint to so much
 of its distance. Where it is not, it is the keypoint that is elsewhere, and the joint goes on."""
 KEYED_ERROR = 0.0075

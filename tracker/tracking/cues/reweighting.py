@@ -58,7 +58,8 @@ def _near(values: Array) -> Array:
     return np.asarray(gaussian_filter1d(values, FRAMES, axis=0, mode="constant"))
 
 
-USUAL, MOST = 2.0, 5.0
+USUAL = 2.0
+MOST = 5.0
 """So many times as far as doubts say a body drifts that is followed well, and the most that is
 believed."""
 MEDIAN_OF_SIZES = 0.6745

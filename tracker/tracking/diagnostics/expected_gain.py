@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.diagnostics.observability import Observation
     from keypose.tracker.tracking.scene import Scene
 
-ERROR, DRIFT_POWER = 0.22, 2 / 3
+ERROR = 0.22
+DRIFT_POWER = 2 / 3
 """Mean error in pixels = ERROR · drift^DRIFT_POWER · apart^(1 − DRIFT_POWER) · (1 + unseen)."""
 LEAST_PX = 0.05
 """Chains count as at least this far apart."""

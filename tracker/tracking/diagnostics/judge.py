@@ -34,8 +34,10 @@ from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment, extent_px
 from keypose.tracker.video.pyramid import Clip
 
-LOST_APART, LOST_DRIFT = 0.28, 0.23
-CHECK_APART, CHECK_DRIFT = 0.18, 0.044
+LOST_APART = 0.28
+LOST_DRIFT = 0.23
+CHECK_APART = 0.18
+CHECK_DRIFT = 0.044
 """Shares of the body's extent in the picture. A segment is lost where both are exceeded."""
 HIDDEN = 0.5
 """Mean visibility of a joint below which it counts as not seen."""
@@ -43,13 +45,15 @@ UNSEEN = 0.15
 """Observability below which a part's motion is a guess."""
 LEAST_PX = 8.0
 """Extent of a body of which a picture shows anything."""
-ALIKE_IN_TIME, ALIKE_IN_SPACE = 0.1, 0.7
+ALIKE_IN_TIME = 0.1
+ALIKE_IN_SPACE = 0.7
 """Correlation of a picture with the next, and of a pixel with the one beside it, below which both
 are noise. Filmed and rendered pictures have 0.9 and more of either, noise 0 and 0.45, and something
 small that moves fast lacks only the first."""
 SHORTEST_RUN = 3
 """Frames for which a part must stay unseen before it is reported."""
-BESIDE_BODY, BESIDE_FRAMES = 0.08, 5
+BESIDE_BODY = 0.08
+BESIDE_FRAMES = 5
 """Share of the body's area by which what moves may disagree with the body more than at the
 keyframes, in the median over so many frames. All 27 filmed frames above it, of 119, have a joint
 that is more than 15 px off on a person 400 px tall, as 36 others do; by a person's mask all 36 of

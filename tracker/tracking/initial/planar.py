@@ -30,13 +30,16 @@ from keypose.tracker.tracking.initial.templates.tracks import (
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
 
-LEAST_FLAT, LEAST_ALIKE = 0.5, 0.7
+LEAST_FLAT = 0.5
+LEAST_ALIKE = 0.7
 """Seen length of a limb as a share of its true one, and of one keyframe's as a share of the
 other's, below which it does not move in the picture's plane."""
-REACH_SHARE, LEAST_REACH = 0.07, 8
+REACH_SHARE = 0.07
+LEAST_REACH = 8
 """How far beside its expected place a part is looked for, as a share of its limb's length in the
 picture, and at least, pixels."""
-BEYOND, MOST_BEYOND = 1.15, 0.2
+BEYOND = 1.15
+MOST_BEYOND = 0.2
 """A place further off than this share of a limb's length is beyond its reach; at most this share
 of all frames may be."""
 INSTEAD = "interpolated instead"

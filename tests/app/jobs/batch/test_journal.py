@@ -14,7 +14,8 @@ from keypose.app.jobs.batch.journal import FOLDER, NAME, Journal
 from keypose.tracker.errors import SessionError
 
 ASKED = {"quality": "full", "export": ("bvh", "glb")}
-ONE, TWO = Path("/one/session.json"), Path("/odd\udcff/session.json")
+ONE = Path("/one/session.json")
+TWO = Path("/odd\udcff/session.json")
 
 
 @contextmanager

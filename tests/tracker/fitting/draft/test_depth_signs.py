@@ -19,7 +19,8 @@ from tests.tracker.fitting.draft.clips import CAMERA, Clip, drafted_joints_m, pl
 TILT = 0.35 + 0.25 * np.sin(np.arange(90) / 9)[:, None]
 """Of a bone that swings and never passes through the picture's plane."""
 NOTHING = np.zeros((90, 1, 2))
-RIGHT_FOREARM, LEFT_SHIN = 3, 5
+RIGHT_FOREARM = 3
+LEFT_SHIN = 5
 """Of `Joints.bones`."""
 
 

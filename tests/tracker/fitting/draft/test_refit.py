@@ -14,7 +14,8 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from tests.tracker.fitting.draft.clips import CAMERA, Clip, joints_of, walk
 
-FRAMES, POSED = 40, 20
+FRAMES = 40
+POSED = 20
 BESIDE_PX = (9.0, -6.0)
 ELBOW = JOINTS.index("left_elbow")
 

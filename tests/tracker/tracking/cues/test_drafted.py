@@ -17,7 +17,8 @@ from keypose.tracker.tracking.segment import Segment
 from tests.tracker.tracking.cues.people import BENT, SKELETON, Filmed, moving
 
 FILM = Filmed(moving(), BENT)
-FIRST, LAST = FILM.segment.first_frame, FILM.segment.last_frame
+FIRST = FILM.segment.first_frame
+LAST = FILM.segment.last_frame
 LOOKED = FILM.keypoints.over(FIRST, FIRST)
 """What comes back where a network looked."""
 

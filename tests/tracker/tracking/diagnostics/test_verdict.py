@@ -24,7 +24,8 @@ from keypose.tracker.tracking.segment import Segment
 from keypose.tracker.video.pyramid import Clip, prepare
 from tests.tracker.tracking_cases import scene_of
 
-FIRST, LAST = 100, 120
+FIRST = 100
+LAST = 120
 N = LAST - FIRST
 SKELETON = Skeleton.of(preset("adult_male"))
 START = Pose.rest(SKELETON, (0.0, 0.0, 6.0))

@@ -13,7 +13,8 @@ from tests.tracker.formats import recordings
 
 TRUTH = recordings.trajectory("person")
 SKELETON = Skeleton.of(recordings.session("person").subject.body)
-START, END = TRUTH.pose(24), TRUTH.pose(48)
+START = TRUTH.pose(24)
+END = TRUTH.pose(48)
 
 
 def _off(motion: Trajectory) -> float:

@@ -23,7 +23,8 @@ from tests.tracker.tracking_cases import Case, case
 
 ARM = ("right_upper_arm", "right_forearm", "right_hand")
 LEG = ("left_thigh", "left_shin", "left_foot")
-SPAN, AT = (0, 12), 5
+SPAN = (0, 12)
+AT = 5
 FILM = Filmed(moving())
 WAYS: dict[str, TrackSettings] = {
     "full": TrackSettings(),

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh
 
-FARTHEST, SMALLEST = 1e9, 1e-9
+FARTHEST = 1e9
+SMALLEST = 1e-9
 """In units of the file. Beyond them there is no sensible surface, and squares lose their sense."""
 LEAST_AREA = 1e-9
 """Of the square of its longest side: less is a line."""

@@ -105,7 +105,9 @@ def _is_inside(shown: GreyPicture, uv: Array) -> bool:
     return bool((uv > -0.5).all() and uv[0] < width - 0.5 and uv[1] < height - 0.5)
 
 
-HALF_SHARE, LEAST_HALF, MOST_HALF = 0.55, 5, 20
+HALF_SHARE = 0.55
+LEAST_HALF = 5
+MOST_HALF = 20
 """Half a template's side as a share of the followed part's extent, and its limits in pixels."""
 ARRIVAL = 0.8
 """Of a template's half side, how far it may miss its place at the last keyframe."""

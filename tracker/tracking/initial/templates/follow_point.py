@@ -15,9 +15,11 @@ from keypose.tracker.tracking.initial.templates.search import GreyPicture, Match
 from keypose.tracker.video.pyramid import FloatPicture
 
 SPREAD_RAD = np.radians(9.0)
-ALIKE, CORRELATED = 0.45, 0.5
+ALIKE = 0.45
+CORRELATED = 0.5
 """Least similarity and correlation of a patch that counts as found."""
-KNOWN_ALIKE, KNOWN_CORRELATED = 0.5, 0.85
+KNOWN_ALIKE = 0.5
+KNOWN_CORRELATED = 0.85
 """The same of the keyframe's own patch, which then removes the drift."""
 MOST_SCALED = 0.4
 """Log scale beyond which a patch fits anything."""
@@ -26,7 +28,10 @@ KEY_STRAY = 2.5
 MOST_POOR = 8
 """Frames on end through which a point that is not recognised is expected to move on."""
 SLOWING = 0.7
-UNLIKE_PX, TURNED_PX, SCALED_PX, MOST_TURNED = 2.5, 2.0, 6.0, 0.75
+UNLIKE_PX = 2.5
+TURNED_PX = 2.0
+SCALED_PX = 6.0
+MOST_TURNED = 0.75
 """How far a place may be wrong whose patch is unlike, turned (up to so many radians) and scaled:
 each shows that the part has turned out of the picture's plane. Measured on rendered motions."""
 

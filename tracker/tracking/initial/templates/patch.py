@@ -60,7 +60,8 @@ class Rotatable:
 
 MARGIN = 1.45
 """A patch is cut this many times as wide as it is compared, so that it can turn."""
-SOFT_SHARE, LEAST_SOFT = 0.7, 5.0
+SOFT_SHARE = 0.7
+LEAST_SOFT = 5.0
 """Difference beyond which a pixel counts less: as a share of the patch's contrast, grey levels."""
 LEAST_PIXELS = 40
 SOLVES = 8

@@ -245,13 +245,17 @@ def _seen_count(
     return int((~over).sum())
 
 
-LEAST_HALF, MOST_HALF = 5, 16
+LEAST_HALF = 5
+MOST_HALF = 16
 """Half a patch's side, pixels."""
-TRUSTED_PX, OCCLUDER_PX = 6.0, 20.0
+TRUSTED_PX = 6.0
+OCCLUDER_PX = 20.0
 """Distance of the two chains up to which their position of a point is used, and up to which their
 occlusion of it is."""
 INSTEAD = "followed from both keyframes there"
-REACH_M, LEAST_REACH, MOST_REACH = 0.055, 6, 24
+REACH_M = 0.055
+LEAST_REACH = 6
+MOST_REACH = 24
 """How far beside its expected place a point is looked for: metres on the body, and pixels."""
 WANDER_PX = MOST_REACH + 1.5 * MOST_HALF
 """Around the body of both chains: what a template that is cut or sought there shows at most."""
