@@ -18,12 +18,33 @@ from bench.keeping import ROOT, Absent, digest
 from bench.table import Report
 
 GROUPS = (
-    "rendered", "cube", "real", "keypoints", "fit_here", "fit_sizes", "cost", "page", "long",
-    "surface", "space", "standing", "up", "markers", "angles", "camera", "panned", "mask",
+    "rendered",
+    "cube",
+    "real",
+    "keypoints",
+    "fit_here",
+    "fit_sizes",
+    "cost",
+    "page",
+    "long",
+    "surface",
+    "space",
+    "standing",
+    "up",
+    "markers",
+    "angles",
+    "camera",
+    "panned",
+    "mask",
     "evidence",
-    "drafts", "effort", "rigs", "install", "fuzz", "gains",
+    "drafts",
+    "effort",
+    "rigs",
+    "install",
+    "fuzz",
+    "gains",
     "fast",
-)  # fmt: skip
+)
 ASKED_FOR = ("gains", "fast")
 """Measured only where it is asked for: the one takes hours, the other checks out a revision."""
 OUT = Path("benchmarks.json")

@@ -50,8 +50,11 @@ MOST_ECE = 0.1
 BANDS_DEG = (0, 4, 6, 8, 10, 13, 17, 90)
 BANDS_CM = (0, 2.5, 3.5, 4.5, 6, 8, 12, 100)
 _BONES: Mapping[str, tuple[int, int]] = {
-    "thigh": (0, 2), "shin": (2, 4), "upper_arm": (6, 8), "forearm": (8, 10),
-}  # fmt: skip
+    "thigh": (0, 2),
+    "shin": (2, 4),
+    "upper_arm": (6, 8),
+    "forearm": (8, 10),
+}
 """From joint to joint, of the right side; the left one's follow."""
 _HINGES = {"knee": KNEES, "elbow": ELBOWS}
 
@@ -121,12 +124,21 @@ def _calibration(
         shares.append(sum(weights) / len(films))
         errors.append(abs(share - 0.5))
         table.row(
-            f"{low:g}–{high:g} {unit}", f"{np.median(both[0]):.1f}", f"{np.median(both[1]):.1f}",
-            f"{share:.2f}", *(_share_under(each) for each in here.values()),
-        )  # fmt: skip
+            f"{low:g}–{high:g} {unit}",
+            f"{np.median(both[0]):.1f}",
+            f"{np.median(both[1]):.1f}",
+            f"{share:.2f}",
+            *(_share_under(each) for each in here.values()),
+        )
     ece = float(np.average(errors, weights=shares))
-    table.row("calibration error", "", "", f"{ece:.3f}", *("" for _ in films),
-              expected=[Expected("calibration error", ece, MOST_ECE)])  # fmt: skip
+    table.row(
+        "calibration error",
+        "",
+        "",
+        f"{ece:.3f}",
+        *("" for _ in films),
+        expected=[Expected("calibration error", ece, MOST_ECE)],
+    )
 
 
 def _share_under(found: Compared) -> str:
@@ -214,7 +226,10 @@ def _found(film: Film) -> Found:
     assert errors is not None
     hinges = {joint.name: np.degrees(each[known, 0]) for joint, each in errors.items()}
     return Found(
-        p[known] @ onto(p[known], truth).T, truth, skeleton.body.names,
+        p[known] @ onto(p[known], truth).T,
+        truth,
+        skeleton.body.names,
         100 * np.hypot(across_m, seen.expected_depth)[known],
-        np.degrees(directions)[known], hinges,
-    )  # fmt: skip
+        np.degrees(directions)[known],
+        hinges,
+    )

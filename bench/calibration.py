@@ -63,9 +63,13 @@ def fitted(
     base, by_apart, by_drift, by_away = (slope * plain).tolist()
     corner = float(np.log(CORNER))
     return Weights(
-        base + shift - steeper * corner, by_apart, by_drift, by_away,
-        floor=float(np.exp(shift + scale * corner)), below=scale / slope,
-    )  # fmt: skip
+        base + shift - steeper * corner,
+        by_apart,
+        by_drift,
+        by_away,
+        floor=float(np.exp(shift + scale * corner)),
+        below=scale / slope,
+    )
 
 
 class Band(NamedTuple):

@@ -207,9 +207,15 @@ def measured(film: CameraFilm, method: Method, masked: bool) -> Figures:
     seconds = time.thread_time() - began - timed.seconds
     turn, zoom, way = errors(path, film.path)
     return Figures(
-        float(turn[-1]), float(turn.max()), float(np.median(turn)), float(zoom.max()),
-        float(way.max()), float(np.median(way)), 1000 * seconds / len(film), peak_bytes() / 1e6,
-    )  # fmt: skip
+        float(turn[-1]),
+        float(turn.max()),
+        float(np.median(turn)),
+        float(zoom.max()),
+        float(way.max()),
+        float(np.median(way)),
+        1000 * seconds / len(film),
+        peak_bytes() / 1e6,
+    )
 
 
 def errors(path: CameraPath, true: CameraPath) -> tuple[Array, Array, Array]:

@@ -142,10 +142,16 @@ def _rendered_film(name: str) -> CameraFilm:
     path = CameraPath(plan.path.Ts_camera_world @ T_world, plan.path.zoom)
     motion_world = moved(plan.motion, np.linalg.inv(T_world)[None])
     return CameraFilm(
-        name, video, plan.camera, path, np.load(beside, mmap_mode="r"), skeleton,
-        moved(motion_world, path.Ts_camera_world), motion_world,
+        name,
+        video,
+        plan.camera,
+        path,
+        np.load(beside, mmap_mode="r"),
+        skeleton,
+        moved(motion_world, path.Ts_camera_world),
+        motion_world,
         tuple((foot, 0, len(path) - 1) for foot in FEET),
-    )  # fmt: skip
+    )
 
 
 def _places(name: str, key: bytes) -> tuple[Path, Path]:

@@ -129,8 +129,11 @@ def _step(
     X = cv2.triangulatePoints(*P, a.T, b.T)
     X = (X[:3] / X[3]).T
     ahead = (inside[:, 0] > 0) & (X[:, 2] > 0) & (X[:, 2] < 1e3)
-    known = [depths[k] / x for k, x, ok in zip(ids.tolist(), X[:, 2], ahead, strict=True)
-             if ok and k in depths]  # fmt: skip
+    known = [
+        depths[k] / x
+        for k, x, ok in zip(ids.tolist(), X[:, 2], ahead, strict=True)
+        if ok and k in depths
+    ]
     scale = float(np.median(known)) if known else 1.0
     z = scale * ((X @ R.T)[:, 2] + t[2, 0])
     found = {k: float(d) for k, d, ok in zip(ids.tolist(), z, ahead, strict=True) if ok and d > 0}

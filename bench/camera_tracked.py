@@ -68,17 +68,24 @@ def _tracked(film: CameraFilm) -> tuple[Session, Mapping[Span, SegmentResult]]:
     assert film.motion is not None
     skeleton, motion = film.skeleton, film.motion
     video = VideoReference(
-        path=str(film.video), fingerprint="", frame_count=len(film), width=film.camera.width,
-        height=film.camera.height, stands_still=False,
-    )  # fmt: skip
+        path=str(film.video),
+        fingerprint="",
+        frame_count=len(film),
+        width=film.camera.width,
+        height=film.camera.height,
+        stands_still=False,
+    )
     keyframes = tuple(
         Keyframe.of(skeleton, motion.pose(frame), frame, frame / 30)
         for frame in range(0, min(FRAMES, len(film)), EVERY)
     )
     session = Session.begin(
-        video=video, camera=film.camera, body=skeleton.body, keyframes=keyframes,
+        video=video,
+        camera=film.camera,
+        body=skeleton.body,
+        keyframes=keyframes,
         settings=TrackSettings(smooth=True),
-    )  # fmt: skip
+    )
     with Video.open(film.video) as opened:
         session = find_camera(session, opened, known_poses(session, {})).applied(session)
         events = track_session(session, opened)

@@ -40,8 +40,10 @@ def peak_mb(session_path: Path, memory_mb: int | None) -> float:
 def start_seconds(repeats: int) -> dict[str, list[float]]:
     """Seconds from the start of a process, by what had happened by then."""
     spent: dict[str, list[float]] = {
-        "imports alone": [], "to the first trajectory": [], "to the end": [],
-    }  # fmt: skip
+        "imports alone": [],
+        "to the first trajectory": [],
+        "to the end": [],
+    }
     for turn in range(repeats + 1):
         began = time.perf_counter()
         _output([sys.executable, "-c", IMPORTS])
@@ -156,10 +158,12 @@ def looped_film(frames: int, scale: int, interval: int) -> Path:
         for frame in range(0, frames, interval)
     ]
     session = Session.begin(
-        video={**facts, "fingerprint": "", "repeats": {"frames": []}}, camera=wide,
-        body=shown.skeleton.body, keyframes=keyframes,
+        video={**facts, "fingerprint": "", "repeats": {"frames": []}},
+        camera=wide,
+        body=shown.skeleton.body,
+        keyframes=keyframes,
         settings={"cues": ["brightness"], "static_camera": False},
-    )  # fmt: skip
+    )
     place = film.with_suffix(f".{interval}.json")
     place.write_text(session.model_dump_json(), encoding="utf-8")
     return place

@@ -123,9 +123,14 @@ def person_reference(folder: Path) -> tuple[str, Camera, list[str], Array]:
     meta = _json(folder / "meta.json")
     lens, K = meta["camera"], meta["camera"]["K"]
     camera = Camera(
-        width=lens["width"], height=lens["height"], fx=K[0][0], fy=K[1][1], cx=K[0][2], cy=K[1][2],
+        width=lens["width"],
+        height=lens["height"],
+        fx=K[0][0],
+        fy=K[1][1],
+        cx=K[0][2],
+        cy=K[1][2],
         distortion=(*lens["dist_k1k2p1p2"], 0.0),
-    )  # fmt: skip
+    )
     with np.load(folder / "reference.npz") as reference:
         names, world = [str(n) for n in reference["names"]], reference["xyz_world"]
     joints = world @ np.array(lens["R_world_to_cam"]).T + np.array(lens["t_world_to_cam_m"])
@@ -148,9 +153,7 @@ def _arms() -> Clip:
     video, side = data_folder("arms") / "arms_576x576.mp4", 576
     marks = _marked("arms", ARMS_MARKS)
     still = (Stance("LAnkle", 20, 60),)
-    return Clip(
-        "arms", video, Camera.guess(side, side), preset("adult_female"), 0.0, marks, still
-    )  # fmt: skip
+    return Clip("arms", video, Camera.guess(side, side), preset("adult_female"), 0.0, marks, still)
 
 
 def _camera4() -> Clip:
@@ -204,12 +207,14 @@ def _calibrated(one: ElementTree.Element, width: int) -> tuple[Camera, Array, Ar
     k1, k2 = values["radialDistortion1"], values["radialDistortion2"]
     p1, p2 = values["tangentalDistortion1"], values["tangentalDistortion2"]
     camera = Camera(
-        width=width, height=1920,
-        fx=values["focalLengthU"] / 64, fy=values["focalLengthV"] / 64,
+        width=width,
+        height=1920,
+        fx=values["focalLengthU"] / 64,
+        fy=values["focalLengthV"] / 64,
         cx=values["centerPointU"] / 64 - (_CALIBRATED_WIDTH - width) / 2,
         cy=values["centerPointV"] / 64,
         distortion=(k1, k2, p1, p2, 0.0),
-    )  # fmt: skip
+    )
     return camera, R, np.array([values[name] for name in "xyz"]) / 1000
 
 

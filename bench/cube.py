@@ -70,9 +70,13 @@ def load_cube() -> Cube:
     )
     K = meta["K"]
     camera = Camera(
-        width=meta["width"], height=meta["height"],
-        fx=K[0][0], fy=K[1][1], cx=K[0][2], cy=K[1][2],
-    )  # fmt: skip
+        width=meta["width"],
+        height=meta["height"],
+        fx=K[0][0],
+        fy=K[1][1],
+        cx=K[0][2],
+        cy=K[1][2],
+    )
     with Video.open(folder / "cube.mp4") as video:
         frames = [video.frame(i) for i in range(video.info.frame_count)]
     return Cube(Skeleton.of(Body(name="cube", parts=(part,))), camera, frames, Ts, corners)
@@ -102,8 +106,10 @@ def cube(report: Report) -> None:
     for interval in INTERVALS:
         plain = Tracker(
             video_of(len(here.frames), here.frames.__getitem__),
-            here.camera, here.skeleton, here.keyposes(interval),
-        )  # fmt: skip
+            here.camera,
+            here.skeleton,
+            here.keyposes(interval),
+        )
         most = [MOST_PX] if interval <= EXACT_UP_TO else []
         _write(table, f"{interval}", here, plain, most)
     title = f"behind an opaque bar {BAR_PX} px wide that stands still"

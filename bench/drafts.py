@@ -36,9 +36,16 @@ def drafts(report: Report) -> None:
     """A row by camera. Limbs are counted frame by frame; unmarked are drafts with a limb that is
     mirrored and not marked; mm of all joints from the rough ones, both seen from the hips."""
     table = report.table(
-        "drafts from one box, limbs", "drafts", "mirrored", "marked", "of them mirr.", "unmarked",
-        "proposed", "of them mirr.", "mm",
-    )  # fmt: skip
+        "drafts from one box, limbs",
+        "drafts",
+        "mirrored",
+        "marked",
+        "of them mirr.",
+        "unmarked",
+        "proposed",
+        "of them mirr.",
+        "mm",
+    )
     for network in NETWORKS:
         total, apart = np.zeros(7), []
         for number in CAMERAS:

@@ -56,10 +56,22 @@ SIGMA_PX = 2.0
 MOST_ACTIONS = 45.0
 MOST_MINUTES = 5.0
 COLUMNS = (
-    "right", "in space too", "mm in space", "knees deg", "keyframes", "clicks", "keys", "drags",
-    "looks", "frames watched", "seconds", "first keyframe", "s a frame after", "actions for 1800",
+    "right",
+    "in space too",
+    "mm in space",
+    "knees deg",
+    "keyframes",
+    "clicks",
+    "keys",
+    "drags",
+    "looks",
+    "frames watched",
+    "seconds",
+    "first keyframe",
+    "s a frame after",
+    "actions for 1800",
     "minutes for 1800",
-)  # fmt: skip
+)
 LONG_CLIP = 60
 """From so many frames on a clip is worked in its first half as well."""
 WIDE = COLUMNS[1:]

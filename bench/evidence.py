@@ -120,9 +120,17 @@ def _log(seen: Evidence, name: str) -> Array:
 def _verdicts(report: Report, seen: Evidence, known: Sequence[str]) -> None:
     """Whether *good* is said and true, the part named is wrong, and what is lost is off."""
     table = report.table(
-        "verdicts, of segments", "segments", "right", "said good", "good right", "lost",
-        "off person", "so said", "wrong", "part named",
-    )  # fmt: skip
+        "verdicts, of segments",
+        "segments",
+        "right",
+        "said good",
+        "good right",
+        "lost",
+        "off person",
+        "so said",
+        "wrong",
+        "part named",
+    )
     figures = _Segments.of(seen)
     for name in known:
         _verdict_row(table, name, figures, seen.clips == name)
@@ -169,10 +177,18 @@ def _verdict_row(table: Table, name: str, of: _Segments, rows: NDArray[np.bool_]
             Expected("another part", 1 - named, 1 - NAMED),
         ]
     table.row(
-        name, int(rows.sum()), f"{_share(of.right, rows):.0%}", f"{good:.0%}", f"{true:.0%}",
-        int((of.lost & on).sum()), int((rows & of.off).sum()), int((rows & of.off & of.lost).sum()),
-        int((on & of.wrong).sum()), f"{named:.0%}", expected=expected,
-    )  # fmt: skip
+        name,
+        int(rows.sum()),
+        f"{_share(of.right, rows):.0%}",
+        f"{good:.0%}",
+        f"{true:.0%}",
+        int((of.lost & on).sum()),
+        int((rows & of.off).sum()),
+        int((rows & of.off & of.lost).sum()),
+        int((on & of.wrong).sum()),
+        f"{named:.0%}",
+        expected=expected,
+    )
 
 
 def _share(of: NDArray[np.bool_], rows: NDArray[np.bool_]) -> float:

@@ -55,9 +55,19 @@ FILMED: dict[str, tuple[tuple[int, ...], ...]] = {
 """By clip the sets of keyframes that are posed on their marks."""
 RENDERED = {
     f"rendered {name}": name
-    for name in ("walk", "jump", "wash", "pirouette", "jumping_jacks", "stride", "throw", "speech",
-                 "shelf", "crossing")
-}  # fmt: skip
+    for name in (
+        "walk",
+        "jump",
+        "wash",
+        "pirouette",
+        "jumping_jacks",
+        "stride",
+        "throw",
+        "speech",
+        "shelf",
+        "crossing",
+    )
+}
 INTERVALS = (20, 60)
 DISTURBED = 40
 """Frames from one keyframe to the next, where one of them is wrong the second."""
@@ -73,8 +83,15 @@ LIMBS = ("upper_arm", "forearm", "thigh", "shin")
 EVERY = 3
 """Of frames of rendered clips one in so many is looked at: errors last longer than a frame."""
 JOINT = (
-    "wrong_by", "apart", "drift", "away", "distance", "visibility", "expected", "part",
-)  # fmt: skip
+    "wrong_by",
+    "apart",
+    "drift",
+    "away",
+    "distance",
+    "visibility",
+    "expected",
+    "part",
+)
 """Columns of a joint: what it is off by, the evidence, the error expected of it, and the part that
 carries it."""
 
@@ -237,9 +254,15 @@ def _joints(skeleton: Skeleton) -> BodyPoints:
 
 
 def _of_segment(
-    name: str, found: SegmentResult, judged: Mapping[int, JointEvidence], skeleton: Skeleton,
-    camera: Camera, uv: Array, *, off: bool,
-) -> _Seen:  # fmt: skip
+    name: str,
+    found: SegmentResult,
+    judged: Mapping[int, JointEvidence],
+    skeleton: Skeleton,
+    camera: Camera,
+    uv: Array,
+    *,
+    off: bool,
+) -> _Seen:
     """What was seen of the joints that are known inside a segment."""
     verdict, path = found.verdict, found.trajectory
     assert verdict is not None

@@ -41,9 +41,12 @@ FILMS: Mapping[str, tuple[str, tuple[int, ...]]] = {
 }
 """Clip and keyframes."""
 WANTED: Mapping[str, float] = {
-    "networks": 2.0, "pictures": 4.0, "track by keypoints": 3.0, "live preview": 2.0,
+    "networks": 2.0,
+    "pictures": 4.0,
+    "track by keypoints": 3.0,
+    "live preview": 2.0,
     "live full": 2.5,
-}  # fmt: skip
+}
 """By how much less a row should take than the revision beside it."""
 
 
@@ -64,9 +67,12 @@ class Worker:
         environ |= _threads(tree, environ)
         script = str(ROOT / "bench" / "fast_rows.py")
         self._process = subprocess.Popen(
-            [str(python_of(tree)), "-P", script, str(films)], env=environ, text=True,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-        )  # fmt: skip
+            [str(python_of(tree)), "-P", script, str(films)],
+            env=environ,
+            text=True,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
         self.rows: list[str] = self._answer()
         self.peak_mb = 0.0
 
@@ -122,9 +128,13 @@ def fast(report: Report, beside: str = BESIDE) -> None:
             wanted = WANTED.get(row.partition(",")[0])
             expected = [] if wanted is None else [Expected("its inverse", 1 / ratio, 1 / wanted)]
             table.row(
-                row, f"{cpu[0]:.1f}", f"{cpu[1]:.1f}", f"{ratio:.2f}", f"{wall[1] / wall[0]:.2f}",
+                row,
+                f"{cpu[0]:.1f}",
+                f"{cpu[1]:.1f}",
+                f"{ratio:.2f}",
+                f"{wall[1] / wall[0]:.2f}",
                 expected=expected,
-            )  # fmt: skip
+            )
         table.row("peak memory, MB", f"{here.peak_mb:.0f}", f"{other.peak_mb:.0f}", "", "")
 
 

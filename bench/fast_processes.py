@@ -66,16 +66,23 @@ class Program:
         """What a command takes, until it has printed a word."""
         names = os.pathsep.join((str(self.tree / "build" / "names"), str(_known(self.folder))))
         environ = {
-            **os.environ, "PYTHONPATH": names, "NUMBA_CACHE_DIR": str(self.loops),
-            "XDG_CACHE_HOME": str(self.folder / "cache"), "PYTHONUNBUFFERED": "1",
+            **os.environ,
+            "PYTHONPATH": names,
+            "NUMBA_CACHE_DIR": str(self.loops),
+            "XDG_CACHE_HOME": str(self.folder / "cache"),
+            "PYTHONUNBUFFERED": "1",
             "KEYPOSE_CONFIG": str(self.folder / "none.toml"),
-        }  # fmt: skip
+        }
         python = str(python_of(self.tree))
         asked = {"command": [python, "-m", "keypose.app", *words], "until": until}
         answer = subprocess.run(
             [python, str(ROOT / "bench" / "one_process.py"), json.dumps(asked)],
-            env=environ, cwd=self.folder, check=True, stdout=subprocess.PIPE, text=True,
-        ).stdout  # fmt: skip
+            env=environ,
+            cwd=self.folder,
+            check=True,
+            stdout=subprocess.PIPE,
+            text=True,
+        ).stdout
         return Taken(**json.loads(answer))
 
     @contextmanager
@@ -116,9 +123,7 @@ def processes(report: Report, here: Path, beside: Path) -> None:
     report.note("commands, each in a process of its own: seconds, medians of turns")
     columns = ("here", "beside", "ratio", "clock here", "beside", "ratio", "MB here", "beside")
     table = report.table("what commands take", *columns)
-    programs = [
-        Program(tree, tree, tree / "build" / "loops") for tree in (here, beside)
-    ]  # fmt: skip
+    programs = [Program(tree, tree, tree / "build" / "loops") for tree in (here, beside)]
     for program in programs:
         _track(program)  # compiles
     for row in rows():
@@ -130,10 +135,17 @@ def processes(report: Report, here: Path, beside: Path) -> None:
         if row.most_mb is not None:
             expected.append(Expected("memory", ours.peak_mb, row.most_mb, "MB"))
         table.row(
-            row.name, f"{ours.cpu:.2f}", f"{theirs.cpu:.2f}", f"{theirs.cpu / ours.cpu:.2f}",
-            f"{ours.wall:.2f}", f"{theirs.wall:.2f}", f"{theirs.wall / ours.wall:.2f}",
-            f"{ours.peak_mb:.0f}", f"{theirs.peak_mb:.0f}", expected=expected,
-        )  # fmt: skip
+            row.name,
+            f"{ours.cpu:.2f}",
+            f"{theirs.cpu:.2f}",
+            f"{theirs.cpu / ours.cpu:.2f}",
+            f"{ours.wall:.2f}",
+            f"{theirs.wall:.2f}",
+            f"{theirs.wall / ours.wall:.2f}",
+            f"{ours.peak_mb:.0f}",
+            f"{theirs.peak_mb:.0f}",
+            expected=expected,
+        )
 
 
 def _turns(row: Row, programs: list[Program]) -> tuple[list[Taken], list[Taken]]:
@@ -165,7 +177,7 @@ def rows() -> list[Row]:
         *_stood(),
         Row(_long_name(LONG), lambda p: _long(p, "person", LONG), turns=1, most_mb=300.0),
         Row(_long_name(LONG_HD), lambda p: _long(p, "walk", LONG_HD), turns=1, most_mb=500.0),
-    ]  # fmt: skip
+    ]
 
 
 def _open(program: Program) -> Taken:
@@ -219,9 +231,18 @@ def _box_to_stood(program: Program, film: Film) -> Taken:
     assert film.box is not None
     assert film.frames is not None
     words = (
-        str(film.video), "--box", ",".join(map(str, film.box)), "--frame", str(film.frame),
-        "--frames", film.frames, "--field-of-view", str(film.view_deg), "--out", "drafted",
-    )  # fmt: skip
+        str(film.video),
+        "--box",
+        ",".join(map(str, film.box)),
+        "--frame",
+        str(film.frame),
+        "--frames",
+        film.frames,
+        "--field-of-view",
+        str(film.view_deg),
+        "--out",
+        "drafted",
+    )
     if (program.tree / "app" / "cli" / "run.py").is_file():
         return program.keypose("run", *words)
     session = program.folder / "drafted" / "session.json"

@@ -124,9 +124,14 @@ def _rendered(name: str) -> _Subject:
 
     poses = {k: shown.truth.pose(k) for k in range(len(pictures))}
     return _Subject(
-        name, video_of(len(pictures), picture), shown.camera, shown.skeleton, poses,
-        (INTERVAL, 2 * INTERVAL), INTERVAL,
-    )  # fmt: skip
+        name,
+        video_of(len(pictures), picture),
+        shown.camera,
+        shown.skeleton,
+        poses,
+        (INTERVAL, 2 * INTERVAL),
+        INTERVAL,
+    )
 
 
 def _rows(table: Table, subject: _Subject, kind: str) -> None:
@@ -160,9 +165,15 @@ def _one(subject: _Subject, way: str, frame: int, seed: int) -> tuple[Array, Arr
     keyposes, tracked = _beside(subject, way, frame, seed)
     began = time.perf_counter()
     found = fit(
-        subject.video, subject.camera, subject.skeleton, frame, pose, keyposes, tracked,
+        subject.video,
+        subject.camera,
+        subject.skeleton,
+        frame,
+        pose,
+        keyposes,
+        tracked,
         source=subject.source,
-    )  # fmt: skip
+    )
     seconds = time.perf_counter() - began
     errors = subject.errors(frame, pose), subject.errors(frame, found.pose)
     return *errors, found.way, seconds
@@ -172,9 +183,15 @@ def _moved(subject: _Subject, way: str, frame: int) -> float:
     """Pixels by which the known pose is moved."""
     keyposes, tracked = _beside(subject, way, frame, 0)
     found = fit(
-        subject.video, subject.camera, subject.skeleton, frame, subject.poses[frame], keyposes,
-        tracked, source=subject.source,
-    )  # fmt: skip
+        subject.video,
+        subject.camera,
+        subject.skeleton,
+        frame,
+        subject.poses[frame],
+        keyposes,
+        tracked,
+        source=subject.source,
+    )
     return float(subject.errors(frame, found.pose)[0])
 
 

@@ -203,12 +203,20 @@ def _figures(case: _Case, error_px: float, found: Proposal) -> Array:
         for k, pose in case.keyposes.items()
     )
     floating = _floating(found.body, found.keyposes) - _floating(GIVEN, case.keyposes)
-    return np.array([
-        error_px, found.error_px,
-        nearer[::2].sum(), before[::2].mean(), after[::2].mean(),
-        nearer[1::2].sum(), before[1::2].mean(), after[1::2].mean(),
-        lean, 100 * floating,
-    ])  # fmt: skip
+    return np.array(
+        [
+            error_px,
+            found.error_px,
+            nearer[::2].sum(),
+            before[::2].mean(),
+            after[::2].mean(),
+            nearer[1::2].sum(),
+            before[1::2].mean(),
+            after[1::2].mean(),
+            lean,
+            100 * floating,
+        ]
+    )
 
 
 def _off(person: Body, body: Body) -> Array:

@@ -150,11 +150,15 @@ def _run(row: Row, switch: Switch | None, seed: int, known: Known) -> dict[str, 
                 stack.enter_context(switch.off())
             figures, motion = row.measure(seed)
         known[key] = {
-            "tracker": _tracker(), "row": row.name, "clip": row.clip, "switch": name, "seed": seed,
+            "tracker": _tracker(),
+            "row": row.name,
+            "clip": row.clip,
+            "switch": name,
+            "seed": seed,
             "figures": {k: round(v, 4) for k, v in figures.items()},
             "digest": hashlib.sha256(motion).hexdigest()[:16],
             "cpu_s": round(time.process_time() - began, 2),
-        }  # fmt: skip
+        }
         OUT.parent.mkdir(parents=True, exist_ok=True)
         with OUT.open("a", encoding="utf-8") as lines:
             lines.write(json.dumps(known[key]) + "\n")
@@ -192,8 +196,9 @@ def _write(report: Report, known: Known) -> None:
                 on, off = (np.array([p[k]["figures"][figure] for p in pairs]) for k in (0, 1))
                 gain, spread = float(off.mean() - on.mean()), float(on.std())
                 better = "yes" if gain > spread else "worse" if -gain > spread else "–"
-                table.row(f"{row}: {figure}", float(on.mean()), float(off.mean()), gain, spread,
-                          better)  # fmt: skip
+                table.row(
+                    f"{row}: {figure}", float(on.mean()), float(off.mean()), gain, spread, better
+                )
         same = [
             row for row, pairs in found.items() if pairs[0][0]["digest"] == pairs[0][1]["digest"]
         ]
@@ -237,22 +242,23 @@ SWITCHES = (
     Switch("steady", BETWEEN, ((anchored_cycle, "_steadied", lambda c, *_: c),)),
     Switch("crossings", ("draft",), ((_THIS, "_changes", lambda *_: ()),)),
     Switch("third motion", BETWEEN, ((anchored_cycle, "_is_misled", lambda *_: False),)),
+    Switch("exchanged sides", TRACKED, ((anchors_module, "exchanged_sides", _in_frames_alone),)),
     Switch(
-        "exchanged sides", TRACKED, ((anchors_module, "exchanged_sides", _in_frames_alone),)
-    ),
-    Switch(
-        "templates", ("brightness",),
+        "templates",
+        ("brightness",),
         ((choose, "_by_templates", lambda *_: choose.Starts(())),),
     ),
     Switch(
-        "templates, turning", ("brightness",),
+        "templates, turning",
+        ("brightness",),
         (
             (follow_point, "SPREAD_RAD", 0.0),
             (patches, "PATCH_STRAY", patches.PATCH_STRAY * (1.0, 1.0, STILL, STILL)),
         ),
     ),
     Switch(
-        "templates, fractions of a pixel", ("brightness",),
+        "templates, fractions of a pixel",
+        ("brightness",),
         ((patches, "PATCH_STRAY", patches.PATCH_STRAY * (STILL, STILL, 1.0, 1.0)),),
     ),
     Switch(
@@ -260,21 +266,24 @@ SWITCHES = (
     ),
     Switch("neighbours' texture", ("fit",), ((fit_pose, "textures_near", lambda *_: []),)),
     Switch(
-        "Gaussian process of limbs", ("limb",),
+        "Gaussian process of limbs",
+        ("limb",),
         ((limb_segment, "_missing_as_near", _constant_missing),),
     ),
     Switch(
-        "offsets of limbs", ("limb",),
+        "offsets of limbs",
+        ("limb",),
         ((limb_segment, "_missing_as_near", lambda anchors, *_: anchors),),
     ),
     Switch(
-        "sides over time in drafts", ("draft", "learn"),
+        "sides over time in drafts",
+        ("draft", "learn"),
         (
             (draft_module, "consistent_sides", lambda *_: None),
             (refit, "consistent_sides", lambda *_: None),
         ),
     ),
-)  # fmt: skip
+)
 
 
 # ---- What is measured ----
@@ -287,39 +296,74 @@ def rows() -> list[Row]:
         spacing = min(b - a for a, b in pairwise(keyframes))
         name = f"{clip_name}-{spacing}" + ("-mid" if keyframes == (40, 60) else "")
         for kind in ("between", "brightness"):
-            found.append(Row(f"{name} {kind}", clip_name, kind,
-                             partial(_between, clip_name, keyframes, kind)))  # fmt: skip
+            found.append(
+                Row(
+                    f"{name} {kind}", clip_name, kind, partial(_between, clip_name, keyframes, kind)
+                )
+            )
     for clip_name, ends in LIMB_SPANS:
-        found.append(Row(f"{clip_name}-{ends[1] - ends[0]} limb", clip_name, "limb",
-                         partial(_limb, clip_name, ends)))  # fmt: skip
+        found.append(
+            Row(
+                f"{clip_name}-{ends[1] - ends[0]} limb",
+                clip_name,
+                "limb",
+                partial(_limb, clip_name, ends),
+            )
+        )
     singles = {"draft": (DRAFTED, _drafts), "learn": (LEARNED, _learn), "fit": (FITTED, _fit)}
     for kind, (names, measure) in singles.items():
         found += [Row(f"{name} {kind}", name, kind, partial(measure, name)) for name in names]
-    found += [Row(f"{film.name} {width}", film.codec, "film", partial(_film, i, width))
-              for width in (352, 480) for i, film in enumerate(FILMS)]  # fmt: skip
+    found += [
+        Row(f"{film.name} {width}", film.codec, "film", partial(_film, i, width))
+        for width in (352, 480)
+        for i, film in enumerate(FILMS)
+    ]
     return found
 
 
 _PERSON = (0, 30, 60, 90)
 RENDERED = (
-    "above wash", "above pirouette", "rendered walk", "rendered throw", "rendered stride",
-)  # fmt: skip
+    "above wash",
+    "above pirouette",
+    "rendered walk",
+    "rendered throw",
+    "rendered stride",
+)
 ALSO_RENDERED = (
-    "rendered speech", "rendered jump", "rendered shelf", "rendered jumping_jacks",
-)  # fmt: skip
+    "rendered speech",
+    "rendered jump",
+    "rendered shelf",
+    "rendered jumping_jacks",
+)
 BETWEEN_KEYFRAMES: tuple[tuple[str, tuple[int, ...]], ...] = (
-    ("person", _PERSON), ("person", (0, 60)), ("person", (0, 90)), ("walk", (30, 50, 70)),
-    ("walk", (40, 60)), ("walk", (30, 70)), ("arms", (20, 40, 60)), ("arms", (20, 60)),
-    ("camera4", _PERSON), ("camera4", (0, 60)), ("camera2", _PERSON), ("camera2", (0, 60)),
+    ("person", _PERSON),
+    ("person", (0, 60)),
+    ("person", (0, 90)),
+    ("walk", (30, 50, 70)),
+    ("walk", (40, 60)),
+    ("walk", (30, 70)),
+    ("arms", (20, 40, 60)),
+    ("arms", (20, 60)),
+    ("camera4", _PERSON),
+    ("camera4", (0, 60)),
+    ("camera2", _PERSON),
+    ("camera2", (0, 60)),
     *((name, (0, 24, 48)) for name in (*RENDERED, *ALSO_RENDERED)),
-)  # fmt: skip
+)
 LIMB_SPANS = (
     ("walk", (30, 70)), ("person", (0, 60)), ("person", (0, 90)), ("arms", (20, 60)),
     ("camera4", (0, 60)), ("camera2", (0, 60)),
 )  # fmt: skip
 DRAFTED = (
-    "person", "walk", "arms", "camera4", "camera2", "camera1", *RENDERED, "two people",
-)  # fmt: skip
+    "person",
+    "walk",
+    "arms",
+    "camera4",
+    "camera2",
+    "camera1",
+    *RENDERED,
+    "two people",
+)
 LEARNED = ("person", "walk", "arms", "camera4", "camera2", "above wash")
 FITTED = ("rendered throw", "rendered walk", "above wash")
 CLIPS = ("person", "walk", "arms", "camera4", "camera2", "camera1")
@@ -392,8 +436,16 @@ def _beam_clip(number: int) -> Clip:
     }
     x, _, z = joints[0, limbs.index("LHip")] - joints[0, limbs.index("RHip")]
     facing = float(np.degrees(np.arctan2(-z, x)))
-    return Clip(f"camera{number}", video, camera, preset("adult_male"), facing, marks, (),
-                space=(limbs, joints))  # fmt: skip
+    return Clip(
+        f"camera{number}",
+        video,
+        camera,
+        preset("adult_male"),
+        facing,
+        marks,
+        (),
+        space=(limbs, joints),
+    )
 
 
 def _rendered(name: str, motion: str, from_above: bool) -> Shown:
@@ -626,15 +678,20 @@ def _true_joints(film: Shown, frames: Sequence[int]) -> list[Array]:
     """(F, 12, 3) each, in the order of a draft's joints."""
     if film.clip is not None and film.clip.space is not None:
         names, joints = film.clip.space
-        order = [f"{side[0].upper()}{joint.title()}" for limb in DRAFT_LIMBS for joint in limb
-                 for side in SIDES]  # fmt: skip
+        order = [
+            f"{side[0].upper()}{joint.title()}"
+            for limb in DRAFT_LIMBS
+            for joint in limb
+            for side in SIDES
+        ]
         return [joints[list(frames)][:, [names.index(name) for name in order]]]
     points = Joints.of(film.skeleton).points
     truths = [film.truth, *film.others]
     return [
         np.stack([points.at(pose_transforms(film.skeleton, t.pose(f))) for f in frames])
-        for t in truths if t is not None
-    ]  # fmt: skip
+        for t in truths
+        if t is not None
+    ]
 
 
 def _px_of(film: Shown, skeleton: Skeleton, poses: Mapping[int, Pose]) -> float:
@@ -645,8 +702,10 @@ def _px_of(film: Shown, skeleton: Skeleton, poses: Mapping[int, Pose]) -> float:
         if film.clip is None:
             assert film.truth is not None
             true = pose_transforms(film.skeleton, film.truth.pose(frame))
-            both = [film.camera.project(joint_positions(s, t))
-                    for s, t in ((skeleton, T), (film.skeleton, true))]  # fmt: skip
+            both = [
+                film.camera.project(joint_positions(s, t))
+                for s, t in ((skeleton, T), (film.skeleton, true))
+            ]
             px += np.linalg.norm(both[0] - both[1], axis=-1).tolist()
         elif frame in film.clip.marks:
             marks = film.clip.marks[frame]

@@ -63,9 +63,13 @@ class Place:
         """How long a command takes; CalledProcessError when it fails."""
         with Stopwatch() as watch:
             subprocess.run(
-                command, cwd=self.folder, env=self.environ, check=True, capture_output=True,
+                command,
+                cwd=self.folder,
+                env=self.environ,
+                check=True,
+                capture_output=True,
                 timeout=LONGEST_S,
-            )  # fmt: skip
+            )
         return watch.spent
 
 
@@ -161,9 +165,13 @@ def _served(place: Place, clip: str | Path) -> Iterator[str]:
     """The link to the page of a server, which ends with the block."""
     command = place.keypose("open", str(clip), "--port", "0", "--no-browser", "--workspace", "w")
     with subprocess.Popen(
-        command, cwd=place.folder, env={**place.environ, "PYTHONUNBUFFERED": "1"},
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-    ) as keypose:  # fmt: skip
+        command,
+        cwd=place.folder,
+        env={**place.environ, "PYTHONUNBUFFERED": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as keypose:
         assert keypose.stdout is not None
         printed = ""
         try:

@@ -155,9 +155,13 @@ def _habits(skeleton: Skeleton) -> tuple[Array, Array]:
 
 
 def _start(
-    clip: Clip, points: BodyPoints, camera: Camera, uv: Array, habits: tuple[Array, Array],
+    clip: Clip,
+    points: BodyPoints,
+    camera: Camera,
+    uv: Array,
+    habits: tuple[Array, Array],
     seed: int,
-) -> Pose:  # fmt: skip
+) -> Pose:
     """A pose drawn from the habits, facing about as known, where and as large as the marks are; the
     first one is usual in every way."""
     usual, sigma = habits

@@ -41,9 +41,14 @@ CLIPS = {
 """First and last frame by clip. Of the beam's cameras the rough joints of four views are the marks,
 good to 5–10 px; `camera2` sees the man from behind, and BlazePose exchanges his sides."""
 MARKED = ("person", "walk", "arms")
-STANDS = {"person": ("left_ankle", 0, 75), "walk": ("left_ankle", 40, 55),
-          "arms": ("left_ankle", 20, 60), "camera1": ("left_ankle", 0, 75),
-          "camera2": ("left_ankle", 0, 75), "camera4": ("left_ankle", 0, 75)}  # fmt: skip
+STANDS = {
+    "person": ("left_ankle", 0, 75),
+    "walk": ("left_ankle", 40, 55),
+    "arms": ("left_ankle", 20, 60),
+    "camera1": ("left_ankle", 0, 75),
+    "camera2": ("left_ankle", 0, 75),
+    "camera4": ("left_ankle", 0, 75),
+}
 SHORT = {
     f"{side[0].upper()}{joint.title()}": f"{side}_{joint}"
     for side in ("left", "right")
@@ -287,8 +292,12 @@ def _looked(film: str, known: Mapping[int, Joints], ends: tuple[int, int]) -> di
     uv, thunder, heat = (np.stack([rows[frame][k] for frame in frames]) for k in range(3))
     seconds = np.median(spent, axis=0)
     return {
-        "frames": np.array(frames), "uv": uv, "thunder": thunder, "heat": heat, "seconds": seconds
-    }  # fmt: skip
+        "frames": np.array(frames),
+        "uv": uv,
+        "thunder": thunder,
+        "heat": heat,
+        "seconds": seconds,
+    }
 
 
 def _of(names: tuple[str, ...]) -> list[int]:

@@ -76,10 +76,14 @@ class Graph:
         if name not in self._done:
             node = self._source[name]
             convert = {
-                "_FusedConv2D": self._convolution, "FusedDepthwiseConv2dNative": self._convolution,
-                "Conv2D": self._convolution, "DepthwiseConv2dNative": self._convolution,
-                "AddV2": self._sum, "ResizeBilinear": self._enlarged, "Relu": self._relu,
-            }[node["op"]]  # fmt: skip
+                "_FusedConv2D": self._convolution,
+                "FusedDepthwiseConv2dNative": self._convolution,
+                "Conv2D": self._convolution,
+                "DepthwiseConv2dNative": self._convolution,
+                "AddV2": self._sum,
+                "ResizeBilinear": self._enlarged,
+                "Relu": self._relu,
+            }[node["op"]]
             self._done[name] = convert(node)
         return self._done[name]
 
@@ -126,10 +130,14 @@ class Graph:
             inputs.append(self._constant(self._weights[node["input"][2].split(":")[0]].ravel()))
         shape = (len(w), out[0], out[1])
         y = self._add(
-            "Conv", inputs, shape, kernel_shape=list(kernel), strides=stride,
+            "Conv",
+            inputs,
+            shape,
+            kernel_shape=list(kernel),
+            strides=stride,
             pads=[side[0] for side in sides] + [side[1] for side in sides],
             group=channels if depthwise else 1,
-        )  # fmt: skip
+        )
         if "Relu6" in steps:
             ends = [self._constant(np.float32(end)) for end in (0, 6)]
             return self._add("Clip", [y, *ends], shape)
@@ -149,9 +157,12 @@ class Graph:
         half = node["attr"].get("half_pixel_centers", {}).get("b", False)
         scales = self._constant(np.array([1, 1, 2, 2], np.float32))
         return self._add(
-            "Resize", [x, "", scales], (channels, 2 * height, 2 * width), mode="linear",
+            "Resize",
+            [x, "", scales],
+            (channels, 2 * height, 2 * width),
+            mode="linear",
             coordinate_transformation_mode="half_pixel" if half else "asymmetric",
-        )  # fmt: skip
+        )
 
 
 def _padding(size: int, kernel: int, stride: int) -> tuple[int, int]:

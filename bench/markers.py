@@ -49,9 +49,13 @@ JOINTS = tuple(
 )
 """Parts, each of which begins at its joint: hip, knee, ankle, shoulder, elbow, wrist."""
 JOINT_OF_PART = {
-    "hip": "thigh", "knee": "shin", "ankle": "foot", "shoulder": "upper_arm", "elbow": "forearm",
+    "hip": "thigh",
+    "knee": "shin",
+    "ankle": "foot",
+    "shoulder": "upper_arm",
+    "elbow": "forearm",
     "wrist": "hand",
-}  # fmt: skip
+}
 _BONES = ("femur", "tibia", "talus", "humerus", "ulna", "hand")
 OPENSIM = (
     *(f"{bone}_{side}" for bone in _BONES for side in ("r", "l")),
@@ -75,15 +79,31 @@ PHONE_DEG = 70.05
 BOXES = 3
 DISTURBED = 0.02
 COLUMNS = (
-    "root-rel mm", "Procrustes", "rigid", "across", "along", "hips deg", "shoulders", "knees",
-    "elbows", "feet",
-)  # fmt: skip
+    "root-rel mm",
+    "Procrustes",
+    "rigid",
+    "across",
+    "along",
+    "hips deg",
+    "shoulders",
+    "knees",
+    "elbows",
+    "feet",
+)
 
 
 SPENT = (
-    "mm gained", "offered", "looked at", "corrected", "keyframes", "clicks", "keys", "drags",
-    "looks", "seconds",
-)  # fmt: skip
+    "mm gained",
+    "offered",
+    "looked at",
+    "corrected",
+    "keyframes",
+    "clicks",
+    "keys",
+    "drags",
+    "looks",
+    "seconds",
+)
 SEEN_PX = 2.0
 """How far off a person sees a joint."""
 
@@ -250,12 +270,16 @@ def _minute(
     table.row(f"{film.name}, as the hand sees it", *_over([hand.least for hand in hands]))
     spent = [
         [
-            stood[0].median - hand.figures[0], hand.done.offered, hand.done.looked,
-            hand.done.wrong, hand.done.keyframes,
-            *(hand.done.effort.count(kind) for kind in KINDS[:4]), hand.done.effort.seconds,
+            stood[0].median - hand.figures[0],
+            hand.done.offered,
+            hand.done.looked,
+            hand.done.wrong,
+            hand.done.keyframes,
+            *(hand.done.effort.count(kind) for kind in KINDS[:4]),
+            hand.done.effort.seconds,
         ]
         for hand in hands
-    ]  # fmt: skip
+    ]
     work.row(film.name, *_over(spent))
 
 
@@ -275,9 +299,18 @@ def run_film(film: Film, box: Sequence[float] | None, folder: Path) -> Path:
     if box is not None:
         more = (*more, "--box", ",".join(map(str, box)), "--frame", str(film.frame))
     _command(
-        "run", str(film.video), "--out", str(folder), "--field-of-view", str(film.view_deg),
-        "--height", str(film.height_cm), "--stand", "no", *more,
-    )  # fmt: skip
+        "run",
+        str(film.video),
+        "--out",
+        str(folder),
+        "--field-of-view",
+        str(film.view_deg),
+        "--height",
+        str(film.height_cm),
+        "--stand",
+        "no",
+        *more,
+    )
     return next(folder.glob("*.keypose")) / "session.json"
 
 
@@ -436,9 +469,22 @@ def _opencap(
     lens = Camera(**{key: solved[key] for key in ("width", "height", "fx", "fy", "cx", "cy")})
     rivals = {"OpenCap Monocular": folder / "mono.json", "WHAM": folder / "wham.json"}
     return Film(
-        name, folder / "video.mp4", PHONE_DEG, height_cm, box, frame, frames, R, times_s, p,
-        expected, lens, t, LATE_S, rivals,
-    )  # fmt: skip
+        name,
+        folder / "video.mp4",
+        PHONE_DEG,
+        height_cm,
+        box,
+        frame,
+        frames,
+        R,
+        times_s,
+        p,
+        expected,
+        lens,
+        t,
+        LATE_S,
+        rivals,
+    )
 
 
 def _opensim(path: Path) -> tuple[Array, Array]:
@@ -456,6 +502,17 @@ def person() -> Film:
     p = joints[:, [names.index(name) for name in BODY_25]]
     view_deg = 2 * np.degrees(np.arctan(camera.height / 2 / camera.fy))
     return Film(
-        "person", folder / video, round(float(view_deg), 2), 169.1, (118, 184, 402, 658), 33, None,
-        np.eye(3), np.arange(len(p)) / 60.0, p, Expectation(60.0), camera, np.zeros(3),
-    )  # fmt: skip
+        "person",
+        folder / video,
+        round(float(view_deg), 2),
+        169.1,
+        (118, 184, 402, 658),
+        33,
+        None,
+        np.eye(3),
+        np.arange(len(p)) / 60.0,
+        p,
+        Expectation(60.0),
+        camera,
+        np.zeros(3),
+    )

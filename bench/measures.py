@@ -84,10 +84,12 @@ def figures(
     marks = marks_between(clip, skeleton, motion, keyframes)
     px, scaled = np.array([m.px for m in marks]), np.array([m.scaled_px for m in marks])
     found = {
-        "mean": float(px.mean()), "median": float(np.median(px)),
-        "p90": float(np.percentile(px, 90)), "worst": float(px.max()),
+        "mean": float(px.mean()),
+        "median": float(np.median(px)),
+        "p90": float(np.percentile(px, 90)),
+        "worst": float(px.max()),
         "over_10": 100 * float((scaled > FAR_PX).mean()),
-    }  # fmt: skip
+    }
     if clip.space is not None:
         names, joints = clip.space
         ours = _places(skeleton, names, motion)

@@ -28,9 +28,12 @@ def taken(command: list[str], until: str | None) -> dict[str, float]:
     began = time.perf_counter()
     with TemporaryFile("w+") as said:
         child = subprocess.Popen(
-            command, stdout=subprocess.PIPE if until else said, stderr=subprocess.STDOUT,
-            text=True, start_new_session=True,
-        )  # fmt: skip
+            command,
+            stdout=subprocess.PIPE if until else said,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
         spent = {}
         if until:
             assert child.stdout is not None

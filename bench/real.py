@@ -64,9 +64,13 @@ class Posed:
         network's keypoints or without; as it drafted them, or looked for from the keyframes."""
         if static_camera not in self.prepared:
             self.prepared[static_camera] = Tracker(
-                self.video, self.clip.camera, self.skeleton, self.keyposes,
-                static_camera=static_camera, steady=self.steady,
-            )  # fmt: skip
+                self.video,
+                self.clip.camera,
+                self.skeleton,
+                self.keyposes,
+                static_camera=static_camera,
+                steady=self.steady,
+            )
         source: KeypointSource | None = None
         if network is not None:
             source = DetectedKeypoints(
@@ -92,9 +96,12 @@ class Posed:
             box = around.x - r, around.y - r, around.x + r, around.y + r
             seed = Seed.of_box(at, box, camera.width, camera.height)
             self.drafts[network.name] = detect(
-                self.video.frame, (at, last), [seed], open_detector(network),
+                self.video.frame,
+                (at, last),
+                [seed],
+                open_detector(network),
                 every_second=network.skips_frames_at(self.video.info.fps),
-            )  # fmt: skip
+            )
         return self.drafts[network.name]
 
     def disturbed(self, seed: int) -> Posed:
@@ -129,8 +136,16 @@ ROWS = (
     Row("camera4-60", "camera4", (0, 60)),
 )
 PRINTED = (
-    "mean", "median", "p90", "worst", "over_10", "root_mm", "keys_mm", "depth_mm", "jitter_px",
-)  # fmt: skip
+    "mean",
+    "median",
+    "p90",
+    "worst",
+    "over_10",
+    "root_mm",
+    "keys_mm",
+    "depth_mm",
+    "jitter_px",
+)
 
 
 def interpolated(posed: Posed) -> Tracked:

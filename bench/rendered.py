@@ -35,8 +35,15 @@ OURS = 24
 PAPERS = 12
 """Keyframe intervals of `keypose` and `paper` at which ours is to be no worse."""
 COLUMNS = (
-    "segments", "linear", "forward", "paper", "keypose", "best tried", "kept", "verdicts",
-)  # fmt: skip
+    "segments",
+    "linear",
+    "forward",
+    "paper",
+    "keypose",
+    "best tried",
+    "kept",
+    "verdicts",
+)
 WIDE = ("verdicts",)
 CLOSED = 1e-9
 ROUNDS = 8
@@ -91,9 +98,7 @@ def measured(shown: Sequence, interval: int, closing: Closing) -> Row:
 def write(table: Table, name: str, row: Row, *expected: Expected) -> None:
     """One line of a table."""
     pairs = (row.linear, row.forward, row.paper, row.keypose, row.best_tried)
-    table.row(
-        name, row.segments, *pairs, row.found.kept, row.found.verdicts, expected=expected
-    )  # fmt: skip
+    table.row(name, row.segments, *pairs, row.found.kept, row.found.verdicts, expected=expected)
 
 
 def rendered(report: Report) -> None:

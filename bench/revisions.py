@@ -19,16 +19,19 @@ def checked_out(revision: str) -> Path:
     such."""
     named = subprocess.run(
         ["git", "-C", str(ROOT), "rev-parse", "--verify", f"{revision}^{{commit}}"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if named.returncode:
         raise Absent(f"the revision {revision!r}")
     tree = kept_folder() / f"at-{named.stdout.strip()[:12]}"
     if not tree.exists():
         archive = subprocess.run(
             ["git", "-C", str(ROOT), "archive", named.stdout.strip(), *ARCHIVED],
-            capture_output=True, check=True,
-        )  # fmt: skip
+            capture_output=True,
+            check=True,
+        )
         tree.mkdir(parents=True)
         subprocess.run(["tar", "-x", "-C", str(tree)], input=archive.stdout, check=True)
     return linked(tree)

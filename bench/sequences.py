@@ -107,11 +107,22 @@ class _Source:
         self.picture = picture
         ticks = np.arange(count, dtype=np.int64)
         self.info = VideoInfo(
-            path=Path("pictures"), container="pictures", codec="none", width=width, height=height,
-            frame_count=count, time_base=Fraction(1, FPS), pts=ticks, times_s=ticks / FPS,
-            fps=float(FPS), variable_rate=False, rotation_deg=0, interlaced=False,
-            pixel_aspect=Fraction(1), missing=(),
-        )  # fmt: skip
+            path=Path("pictures"),
+            container="pictures",
+            codec="none",
+            width=width,
+            height=height,
+            frame_count=count,
+            time_base=Fraction(1, FPS),
+            pts=ticks,
+            times_s=ticks / FPS,
+            fps=float(FPS),
+            variable_rate=False,
+            rotation_deg=0,
+            interlaced=False,
+            pixel_aspect=Fraction(1),
+            missing=(),
+        )
 
     def approach(self, number: int, since: int) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         yield number, self.picture(number)

@@ -130,8 +130,10 @@ def _person(report: Report) -> None:
         ways = {}
         for held, landmarks in HELD.items():
             pin = Pin(part="left_foot", landmarks=landmarks, first_frame=0, last_frame=60)
-            ways |= {f"{way}, {held}" if "pinned" in way else way: one
-                     for way, one in motion.ways([pin]).items()}  # fmt: skip
+            ways |= {
+                f"{way}, {held}" if "pinned" in way else way: one
+                for way, one in motion.ways([pin]).items()
+            }
         ways["proposals, soft"] = motion.solved(motion.proposed(ways["smooth"]), soft=True)
         tracked = _person_row(here, motion.skeleton, ways["as tracked"], keys)["mean"]
         for way, one in ways.items():
@@ -161,9 +163,12 @@ def _write_person(table: Table, way: str, row: Mapping[str, float], tracked: flo
 def _tracked(here: Clip, posed: Keyed) -> Motion:
     with Video.open(here.video) as video:
         tracker = Tracker(
-            video, here.camera, posed.skeleton, posed.poses,
+            video,
+            here.camera,
+            posed.skeleton,
+            posed.poses,
             keypoints=DetectedKeypoints(video, here.camera),
-        )  # fmt: skip
+        )
         return _motion(tracker, here.camera, 60.0, cues=("brightness", "keypoints"))
 
 
@@ -189,16 +194,18 @@ def _balance(report: Report) -> None:
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
     with Video.open(Path(ROOT / "sample_videos" / "balance" / "balance.mp4")) as video:
         tracker = Tracker(
-            video, session.view.camera, skeleton, poses, static_camera=True,
+            video,
+            session.view.camera,
+            skeleton,
+            poses,
+            static_camera=True,
             keypoints=DetectedKeypoints(video, session.view.camera),
-        )  # fmt: skip
+        )
         motion = _motion(tracker, session.view.camera, 60.0, cues=("brightness", "keypoints"))
     theirs = _reference(here, 0, 60)
     title = "balance: acceleration m/s² RMS, the reference's "
     table = report.table(title + "/".join(f"{a:.1f}" for a in theirs), *ACCELERATED, "slide_mm")
-    pin = Pin(
-        part="left_foot", landmarks=HELD["whole foot"], first_frame=0, last_frame=60
-    )  # fmt: skip
+    pin = Pin(part="left_foot", landmarks=HELD["whole foot"], first_frame=0, last_frame=60)
     for way, one in motion.ways([pin]).items():
         ours = [acceleration(skeleton, one, part, 60.0) for part in ACCELERATED]
         expected = [

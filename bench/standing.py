@@ -93,9 +93,13 @@ def standing(report: Report) -> None:
     for name in CASES:
         _case(name, table, report)
     table = report.table(
-        "rendered, looking down by 12°: drafts", "up found, deg off", "lean, deg", "feet deg",
-        "hips deg", "mm",
-    )  # fmt: skip
+        "rendered, looking down by 12°: drafts",
+        "up found, deg off",
+        "lean, deg",
+        "feet deg",
+        "hips deg",
+        "mm",
+    )
     for name in RENDERED:
         with contextlib.suppress(Absent):
             _rendered(name, table)
@@ -143,10 +147,21 @@ def _drafted(here: Clip, name: str, path: Path) -> None:
     """Draft, accept and track, in a session at this path."""
     box, at, (first, last), view = FILMS[name]
     run_quietly(
-        "draft", str(here.video), "--box", ",".join(map(str, box)), "--frame", str(at),
-        "--frames", f"{first}-{last}", "--field-of-view", str(view), "--body", here.body.name,
-        "--out", str(path.parent),
-    )  # fmt: skip
+        "draft",
+        str(here.video),
+        "--box",
+        ",".join(map(str, box)),
+        "--frame",
+        str(at),
+        "--frames",
+        f"{first}-{last}",
+        "--field-of-view",
+        str(view),
+        "--body",
+        here.body.name,
+        "--out",
+        str(path.parent),
+    )
     session = load_session(path)
     frames = [draft.frame for draft in session.subject.drafts]
     keys = {*frames[::EVERY], frames[-1]}
@@ -179,9 +194,13 @@ def _figures(here: Clip, stood: Stood, pins: tuple[Pin, ...], up: Array) -> list
     rate = 60.0 if here.name == "person" else 30.0
     feet = [acceleration(skeleton, motion, f"{side}_foot", rate) for side in ("left", "right")]
     return [
-        100 * float(np.ptp(np.concatenate(high))), 100 * max(slides), _turn(skeleton, motion),
-        max(feet), acceleration(skeleton, motion, "waist", rate), _marks_px(here, stood),
-    ]  # fmt: skip
+        100 * float(np.ptp(np.concatenate(high))),
+        100 * max(slides),
+        _turn(skeleton, motion),
+        max(feet),
+        acceleration(skeleton, motion, "waist", rate),
+        _marks_px(here, stood),
+    ]
 
 
 def _slide(skeleton: Skeleton, motion: Trajectory, pin: Pin) -> float:
@@ -283,8 +302,10 @@ def _of_drafts(shown: Scene, skeleton: Skeleton, motion: Trajectory) -> list[flo
         Joints.of(s).points.at(m.transforms(s))
         for s, m in ((skeleton, motion), (shown.skeleton, truth))
     )
-    pairs = {joint: [JOINTS.index(f"{side}_{joint}") for side in ("left", "right")]
-             for joint in ("shoulder", "hip", "ankle")}  # fmt: skip
+    pairs = {
+        joint: [JOINTS.index(f"{side}_{joint}") for side in ("left", "right")]
+        for joint in ("shoulder", "hip", "ankle")
+    }
 
     def lean(joints: Array) -> float:
         along = joints[:, pairs["shoulder"]].mean(axis=1) - joints[:, pairs["ankle"]].mean(axis=1)
@@ -292,16 +313,22 @@ def _of_drafts(shown: Scene, skeleton: Skeleton, motion: Trajectory) -> list[flo
 
     hips = [x[:, pairs["hip"][0]] - x[:, pairs["hip"][1]] for x in (p, q)]
     feet = [
-        _angles_deg(*(m.transforms(s)[:, s.body.index(f"{side}_foot"), :3, 2]
-                      for s, m in ((skeleton, motion), (shown.skeleton, truth))))
+        _angles_deg(
+            *(
+                m.transforms(s)[:, s.body.index(f"{side}_foot"), :3, 2]
+                for s, m in ((skeleton, motion), (shown.skeleton, truth))
+            )
+        )
         for side in ("left", "right")
-    ]  # fmt: skip
+    ]
     from_hips = [x - x[:, pairs["hip"]].mean(axis=1, keepdims=True) for x in (p, q)]
     mm = 1e3 * float(np.linalg.norm(from_hips[0] - from_hips[1], axis=-1).mean())
     return [
-        lean(p) - lean(q), float(np.median(np.concatenate(feet))),
-        float(np.median(_angles_deg(*hips))), mm,
-    ]  # fmt: skip
+        lean(p) - lean(q),
+        float(np.median(np.concatenate(feet))),
+        float(np.median(_angles_deg(*hips))),
+        mm,
+    ]
 
 
 def _angles_deg(a: Array, b: Array) -> Array:

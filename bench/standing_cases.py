@@ -163,8 +163,13 @@ def walk(frames: int = FRAMES, stride: float = 1.16, rise: float = 0.0) -> Steps
     path = gaussian_filter1d(middle, 6.0, axis=0, mode="nearest")
     line = np.polynomial.polynomial.polyfit(np.arange(frames), path[:, [0, 2]], 1)
     root = line[0] + np.arange(frames)[:, None] * line[1]
-    return Steps((feet[0], feet[1]), (tipped[0], tipped[1]), root, np.full(frames, 0.02),
-                 np.full(frames, heading))  # fmt: skip
+    return Steps(
+        (feet[0], feet[1]),
+        (tipped[0], tipped[1]),
+        root,
+        np.full(frames, 0.02),
+        np.full(frames, heading),
+    )
 
 
 def stairs() -> Steps:
@@ -368,10 +373,15 @@ def _session(skeleton: Skeleton, camera: Camera, poses: Mapping[int, Pose], coun
         update={"frame_count": count, "width": camera.width, "height": camera.height}
     )
     keyframes = tuple(Keyframe.of(skeleton, pose, f, f / FPS) for f, pose in poses.items())
-    return given.changed({
-        "video": video, "camera": camera, "body": skeleton.body, "keyframes": keyframes,
-        "settings": TrackSettings(smooth=True),
-    })  # fmt: skip
+    return given.changed(
+        {
+            "video": video,
+            "camera": camera,
+            "body": skeleton.body,
+            "keyframes": keyframes,
+            "settings": TrackSettings(smooth=True),
+        }
+    )
 
 
 def _pictures(name: str, skeleton: Skeleton, camera: Camera, truth: Trajectory) -> Array:

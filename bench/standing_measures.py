@@ -50,14 +50,27 @@ class Effect:
     up: float
 
 
-COLUMNS = ("pins", "soles cm", "planted cm", "knees deg", "95 % deg", "px", "joint px", "turn deg",
-           "before", "push", "mm", "mm before", "up deg")  # fmt: skip
+COLUMNS = (
+    "pins",
+    "soles cm",
+    "planted cm",
+    "knees deg",
+    "95 % deg",
+    "px",
+    "joint px",
+    "turn deg",
+    "before",
+    "push",
+    "mm",
+    "mm before",
+    "up deg",
+)
 
 MOST_SOLES_CM = 1.5
 MOST_KNEE_DEG = 5.0
 MOST_PX = 0.3
 MOST_JOINT_PX = 8.0
-MOST_TURN_DEG = 12.0  # fmt: skip
+MOST_TURN_DEG = 12.0
 
 
 def expected(found: Effect) -> list[Expected]:
@@ -102,12 +115,16 @@ def effect(made: Made, session: Session, motion: Trajectory) -> Effect:
         len(pins),
         100 * float(np.ptp(np.concatenate(high))) if high else 0.0,
         100 * _range(ends[planted]),
-        float(worse.mean()), float(np.quantile(worse, 0.95)),
-        float((off[0] - off[1]).mean()), float((off[0] - off[1])[:, :joints].max()),
-        *turns, push(skeleton, world, session.in_world(before), pins, FPS),
-        mm[0], mm[1],
+        float(worse.mean()),
+        float(np.quantile(worse, 0.95)),
+        float((off[0] - off[1]).mean()),
+        float((off[0] - off[1])[:, :joints].max()),
+        *turns,
+        push(skeleton, world, session.in_world(before), pins, FPS),
+        mm[0],
+        mm[1],
         float(np.degrees(np.arccos(np.clip(up / np.linalg.norm(up) @ made.up, -1, 1)))),
-    )  # fmt: skip
+    )
 
 
 def _range(heights: Array) -> float:

@@ -126,15 +126,22 @@ def _by_steps(table: Table, name: str, found: Outcome, expected: Sequence[Expect
     steps = found.by_step
     every = " ".join(f"{e:.1f}" for e in steps)
     table.row(
-        name, float(steps[1:].mean()), float(steps.max()), float(steps[PHANTOM].mean()),
-        float(steps[CONTACT].mean()), found.ms, every, expected=expected,
-    )  # fmt: skip
+        name,
+        float(steps[1:].mean()),
+        float(steps.max()),
+        float(steps[PHANTOM].mean()),
+        float(steps[CONTACT].mean()),
+        found.ms,
+        every,
+        expected=expected,
+    )
 
 
 def _walks(report: Report) -> None:
     report.note("a walker of known joints, 59 steps, one keyframe: mean joint error, cm")
-    table = report.table("walker", "mean", "worst step", "worst joint", "ms", "verdict",
-                         wide=("verdict",))  # fmt: skip
+    table = report.table(
+        "walker", "mean", "worst step", "worst joint", "ms", "verdict", wide=("verdict",)
+    )
     for kind in EVERY:
         walk = walker(kind)
         for every in EVERY[kind]:
@@ -174,8 +181,9 @@ def _disturbed(pose: Pose, turn: float, shift: float) -> Pose:
 
 def _hulls(report: Report) -> None:
     report.note("hulls of the same walker, textured, from rings of cameras")
-    table = report.table("hulls", "mean", "worst step", "worst joint", "ms", "verdict",
-                         wide=("verdict",))  # fmt: skip
+    table = report.table(
+        "hulls", "mean", "worst step", "worst joint", "ms", "verdict", wide=("verdict",)
+    )
     for cameras in (4, 8, 15):
         walk = walker("plain", cameras)
         for name, options in (("both", Options()), ("without photo", Options(photo=False))):
@@ -206,8 +214,12 @@ def _time(report: Report) -> None:
         pose = fit.pose
     median = float(np.median(spent))
     report.note(f"{len(model.own)} points a side, {walk.skeleton.part_count} parts, one thread")
-    table.row("a step, all its solves", min(spent), median,
-              expected=[Expected("median", median, MOST_MS, "ms")])  # fmt: skip
+    table.row(
+        "a step, all its solves",
+        min(spent),
+        median,
+        expected=[Expected("median", median, MOST_MS, "ms")],
+    )
 
 
 def _long(report: Report) -> None:
@@ -240,9 +252,16 @@ def _long(report: Report) -> None:
     found = _of_path(walk.body, result.trajectory.Rs_parent_part, result.trajectory.ps_camera_root)
     error = float(np.linalg.norm(found - truth, axis=2).mean() * 100)
     table = report.table("3,000 steps, preview", "cm", "MB at 500", "MB at the end", "s")
-    table.row("read from PLY files", error, peaks[SOON], peaks[LONG], seconds, expected=[
-        Expected("memory, of that at 500", peaks[LONG] / peaks[SOON], GROWTH),
-    ])  # fmt: skip
+    table.row(
+        "read from PLY files",
+        error,
+        peaks[SOON],
+        peaks[LONG],
+        seconds,
+        expected=[
+            Expected("memory, of that at 500", peaks[LONG] / peaks[SOON], GROWTH),
+        ],
+    )
 
 
 def _peak_mb() -> float:

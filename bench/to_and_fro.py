@@ -55,11 +55,15 @@ def _lengthen(view: dict[str, Any], frames: int, size: tuple[int, int]) -> None:
     """Make a session's view one of that film: as long, and as much larger."""
     larger = size[0] / view["camera"]["width"]
     view["video"] = {
-        "path": "long.mp4", "fingerprint": "", "frame_count": frames,
-        "width": size[0], "height": size[1],
-    }  # fmt: skip
+        "path": "long.mp4",
+        "fingerprint": "",
+        "frame_count": frames,
+        "width": size[0],
+        "height": size[1],
+    }
     view["camera"] |= {
-        "width": size[0], "height": size[1],
+        "width": size[0],
+        "height": size[1],
         **{name: view["camera"][name] * larger for name in ("fx", "fy")},
         **{name: (view["camera"][name] + 0.5) * larger - 0.5 for name in ("cx", "cy")},
-    }  # fmt: skip
+    }

@@ -112,8 +112,10 @@ def _films() -> Iterator[tuple[str, Filmed]]:
         "person",
         Filmed(person / "cam03_544x960.mp4", (200, 200, 450, 800), (0, 99), view, R[:, 2]),
     )
-    for clip, box, frames in (("walk", (309, 544, 579, 1074), (0, 74)),
-                              ("squat", (178, 527, 478, 1130), (0, 240))):  # fmt: skip
+    for clip, box, frames in (
+        ("walk", (309, 544, 579, 1074), (0, 74)),
+        ("squat", (178, 527, 478, 1130), (0, 240)),
+    ):
         folder = DATA / "opencap" / clip
         R = np.array(json.loads((folder / "camera_solved.json").read_text())["R_camera_ground"])
         yield f"phone, {clip}", Filmed(folder / "video.mp4", box, frames, PHONE_DEG, R[:, 1])
@@ -169,8 +171,11 @@ def _tracked(film: Filmed, path: Path) -> None:
         session = with_draft_kept(session, video, path, who, film.frames, found)
     frames = [draft.frame for draft in session.subject.drafts]
     keys = {*frames[::EVERY], frames[-1]}
-    accepted = [softened(d.model_copy(update={"drafted": False}), True)
-                for d in session.subject.drafts if d.frame in keys]  # fmt: skip
+    accepted = [
+        softened(d.model_copy(update={"drafted": False}), True)
+        for d in session.subject.drafts
+        if d.frame in keys
+    ]
     rest = [draft for draft in session.subject.drafts if draft.frame not in keys]
     save_session(with_drafts(with_keyframes(session, accepted), rest), path)
     run_quietly("track", str(path))

@@ -76,11 +76,13 @@ def reading_apart(reader: Callable[..., T], terms: Terms = READING) -> Iterator[
         child = subprocess.Popen(
             # -P: nothing that lies in the present folder may pass for a module.
             [sys.executable, "-P", "-m", __name__, reader.__module__, reader.__qualname__],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
             # A copy that it was ended over goes with the folder; threads take address space.
             env={**os.environ, "TMPDIR": str(folder), "OPENBLAS_NUM_THREADS": "1"},
             start_new_session=True,  # Ctrl+C reaches this program, which then ends it
-        )  # fmt: skip
+        )
         try:
             yield lambda path, *arguments: _answer(child, path, arguments, terms)
         finally:

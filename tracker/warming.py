@@ -106,10 +106,20 @@ def _keypoints(box: BoxScene) -> None:
     known = np.ones(p_camera.shape[:2])
     depth = p_camera[..., 2] - path.ps_camera_root[:, None, 2]
     anchors = Anchors(
-        points, np.zeros(2, int), box.scene.camera.project(p_camera), known, depth, known, known,
-        height_px=40.0, joints=points, by_hand=0 * known, depth_sigma_m=known, feet=points,
+        points,
+        np.zeros(2, int),
+        box.scene.camera.project(p_camera),
+        known,
+        depth,
+        known,
+        known,
+        height_px=40.0,
+        joints=points,
+        by_hand=0 * known,
+        depth_sigma_m=known,
+        feet=points,
         feet_uv=np.full((*known.shape, 2), np.nan),
-    )  # fmt: skip
+    )
     from_keypoints(Correction(box.scene, box.segment, anchors))
 
 
@@ -207,8 +217,11 @@ class Helper:
     def __init__(self) -> None:
         self._process = subprocess.Popen(
             [sys.executable, "-m", "keypose.tracker.warming"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        )  # fmt: skip
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
 
     def do(self, name: str) -> bool:
         """Compile a part; whether the process did, which may have died."""

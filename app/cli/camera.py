@@ -89,8 +89,9 @@ def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namesp
 
 def _facts(found: FoundCamera | None, arguments: argparse.Namespace) -> dict[str, object]:
     facts: dict[str, object] = {
-        "event": "finished", "session": None if arguments.dry_run else str(arguments.session)
-    }  # fmt: skip
+        "event": "finished",
+        "session": None if arguments.dry_run else str(arguments.session),
+    }
     if found is None:
         return facts
     facts |= {

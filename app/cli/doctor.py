@@ -73,9 +73,18 @@ def examine(workspace: Path | None = None) -> Iterator[Finding]:
     workspace: instead of the usual one.
     """
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
-        versions, libraries, page, films, cores_and_memory,
-        lambda: folders(workspace), compiled_loops, networks, port, browser, extras,
-    )  # fmt: skip
+        versions,
+        libraries,
+        page,
+        films,
+        cores_and_memory,
+        lambda: folders(workspace),
+        compiled_loops,
+        networks,
+        port,
+        browser,
+        extras,
+    )
     for check in checks:
         try:
             yield from check()

@@ -150,9 +150,15 @@ def _drafted(
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as report:
         return drafted(
-            session, video, who.frame, who.box, frames,
-            proportions=True, report=report, cancelled=stop.is_set,
-        )  # fmt: skip
+            session,
+            video,
+            who.frame,
+            who.box,
+            frames,
+            proportions=True,
+            report=report,
+            cancelled=stop.is_set,
+        )
 
 
 def _write(session: Session, place: Path, overwrite: bool) -> None:
@@ -211,8 +217,11 @@ def _print(
         facts = _facts(draft, frames, detected)
         written = {"session": str(place), "keypoints": str(keypoints)}
         world = session.world
-        up = {"up_world": world.up_world, "up_from": list(world.up_from),
-              "up_sigma_rad": world.up_sigma_rad}  # fmt: skip
+        up = {
+            "up_world": world.up_world,
+            "up_from": list(world.up_from),
+            "up_sigma_rad": world.up_sigma_rad,
+        }
         print_json({**facts, **up, "accepted": list(accepted), **written})
         return
     count = frames[1] - frames[0] + 1

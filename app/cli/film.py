@@ -34,9 +34,15 @@ def run(arguments: argparse.Namespace) -> int:
     require_frame(session, film.last)
     with _video(session, arguments.session, film) as video:
         facts = write_film(
-            out, session, video, poses, film, order.fps,
-            seen=_with_bar, overwrite=arguments.overwrite,
-        )  # fmt: skip
+            out,
+            session,
+            video,
+            poses,
+            film,
+            order.fps,
+            seen=_with_bar,
+            overwrite=arguments.overwrite,
+        )
     for words in film_words(session, poses, film):
         note(words)
     if arguments.json:

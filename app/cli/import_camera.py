@@ -52,9 +52,13 @@ def _facts(made: Session, found: CameraFile, path: Path) -> dict[str, Any]:
     camera, up = made.view.camera, list(made.world.up_world or CAMERA_UP)
     lens = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
     return {
-        "written": str(path), **lens, "up_camera": up, "floor_m": made.world.floor_m,
-        "background_px": found.background_px, "notes": note_words(found.notes),
-    }  # fmt: skip
+        "written": str(path),
+        **lens,
+        "up_camera": up,
+        "floor_m": made.world.floor_m,
+        "background_px": found.background_px,
+        "notes": note_words(found.notes),
+    }
 
 
 def _print(session: Session, made: Session, found: CameraFile) -> None:

@@ -49,9 +49,15 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     skeleton, camera = Skeleton.of(session.subject.body), session.view.camera
     with _progress() as progress:
         reduction = reduce_motion(
-            skeleton, camera, found.motion, arguments.goal, found.required, found.parts,
-            progress, session.camera_path,
-        )  # fmt: skip
+            skeleton,
+            camera,
+            found.motion,
+            arguments.goal,
+            found.required,
+            found.parts,
+            progress,
+            session.camera_path,
+        )
     return found, reduction
 
 

@@ -45,5 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
     asked["said"] = repr((*said.values(), order_of(TrackOrder, arguments)))
     return run_tasks(
         lambda journal: [task_of(row, journal) for row in rows],
-        [row.name for row in rows], out, asked, arguments,
-    )  # fmt: skip
+        [row.name for row in rows],
+        out,
+        asked,
+        arguments,
+    )

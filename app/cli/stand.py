@@ -75,8 +75,12 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
 
 def _apart(one: Disagreement) -> dict[str, object]:
     """A source that disagrees with what up rests on."""
-    return {"from": one.evidence.source, "up_camera": one.evidence.up.tolist(),
-            "sigma_rad": one.evidence.sigma_rad, "sigmas": one.sigmas}  # fmt: skip
+    return {
+        "from": one.evidence.source,
+        "up_camera": one.evidence.up.tolist(),
+        "sigma_rad": one.evidence.sigma_rad,
+        "sigmas": one.sigmas,
+    }
 
 
 def _harm(harm: Harm) -> dict[str, object]:

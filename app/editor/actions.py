@@ -318,11 +318,21 @@ Action: TypeAlias = Editing | Running | PoseKeeping | InsertPose
 MESSAGES = tuple(
     kind
     for subject in (
-        body, camera, copied, floor, keyframes, moving_camera, notes, part_keyframes, pins, posing,
-        tracking, update,
+        body,
+        camera,
+        copied,
+        floor,
+        keyframes,
+        moving_camera,
+        notes,
+        part_keyframes,
+        pins,
+        posing,
+        tracking,
+        update,
     )
     for kind in subject.MESSAGES
-)  # fmt: skip
+)
 """What `update` does: each file lists its own."""
 
 _KINDS: Any = Union[(*MESSAGES, Running, PoseKeeping, InsertPose)]

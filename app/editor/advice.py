@@ -57,9 +57,12 @@ class Suggestion:
 
 
 def suggestion(
-    keys: Sequence[int], frame_count: int, fitting: Fitting, parts: Sequence[str] = (),
+    keys: Sequence[int],
+    frame_count: int,
+    fitting: Fitting,
+    parts: Sequence[str] = (),
     known: JudgedSegments | None = None,
-) -> Suggestion:  # fmt: skip
+) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     fitting: the results of the present segments (Results.fitting); unfinished ones count as none.

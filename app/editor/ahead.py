@@ -74,8 +74,11 @@ def _named(stop: Stop, forward: bool) -> dict[str, str]:
     hidden = f"hidden behind the {readable(stop.behind)}" if stop.behind else "out of the picture"
     capital = part[:1].upper() + part[1:]
     return {
-        "part": part, "Part": capital, "hidden": hidden, "ends": "ends" if forward else "begins"
-    }  # fmt: skip
+        "part": part,
+        "Part": capital,
+        "hidden": hidden,
+        "ends": "ends" if forward else "begins",
+    }
 
 
 LABEL = "track ahead"

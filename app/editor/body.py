@@ -242,9 +242,19 @@ class Tracked(Edit):
 
 
 MESSAGES = (
-    Shape, Size, Joint, Height, Preset, SetBody, AddPart, DeletePart, RenamePart, ResetBody,
-    Clavicles, Tracked,
-)  # fmt: skip
+    Shape,
+    Size,
+    Joint,
+    Height,
+    Preset,
+    SetBody,
+    AddPart,
+    DeletePart,
+    RenamePart,
+    ResetBody,
+    Clavicles,
+    Tracked,
+)
 
 
 def _as_jointed(old: Body, body: Body) -> Body:

@@ -199,8 +199,16 @@ class ResetUp(Edit):
 
 
 MESSAGES = (
-    ReadFilm, Intrinsics, FieldOfView, Lens, Distortion, Vertical, LevelCamera, TakeUp, ResetUp,
-)  # fmt: skip
+    ReadFilm,
+    Intrinsics,
+    FieldOfView,
+    Lens,
+    Distortion,
+    Vertical,
+    LevelCamera,
+    TakeUp,
+    ResetUp,
+)
 
 
 def _crosses(one: tuple[Spot, Spot], other: tuple[Spot, Spot]) -> bool:

@@ -206,10 +206,15 @@ class KeyAngle(Edit):
         of_root = moves and state.doc.subject.body.parts[part].parent is None
         wanted = {self.axis: self.deg}
         pose = with_angles(
-            state.skeleton, pose.carried(rigid_inverse(T)) if of_root else pose, self.part,
-            wanted.get("x"), wanted.get("y"), wanted.get("z"),
-            near_deg=angle_curve(state, part)[self.frame], up_camera=up_in_world(state.doc),
-        )  # fmt: skip
+            state.skeleton,
+            pose.carried(rigid_inverse(T)) if of_root else pose,
+            self.part,
+            wanted.get("x"),
+            wanted.get("y"),
+            wanted.get("z"),
+            near_deg=angle_curve(state, part)[self.frame],
+            up_camera=up_in_world(state.doc),
+        )
         pose = pose.carried(T) if of_root else pose
         return posed(state.doc, state.skeleton, pose, self.frame, state.times_s, soft)
 
@@ -253,9 +258,18 @@ class ExactKey(Edit):
 
 
 MESSAGES = (
-    AddKey, DeleteKey, MoveKey, DuplicateKey, DeleteDraft, DeleteKeys, RetimeKeys, KeyAngle,
-    SoftenKey, SoftenKeys, ExactKey,
-)  # fmt: skip
+    AddKey,
+    DeleteKey,
+    MoveKey,
+    DuplicateKey,
+    DeleteDraft,
+    DeleteKeys,
+    RetimeKeys,
+    KeyAngle,
+    SoftenKey,
+    SoftenKeys,
+    ExactKey,
+)
 
 
 def _count(frames: Collection[int]) -> str:

@@ -175,9 +175,16 @@ class Rename(Edit):
 
 
 MESSAGES = (
-    CorrectKeypoint, IgnoreKeypoint, RestoreKeypoint, SetNote, MoveNote, DeleteNote, AcceptPlace,
-    CannotTell, Rename,
-)  # fmt: skip
+    CorrectKeypoint,
+    IgnoreKeypoint,
+    RestoreKeypoint,
+    SetNote,
+    MoveNote,
+    DeleteNote,
+    AcceptPlace,
+    CannotTell,
+    Rename,
+)
 
 
 def _frame_and_joint(each: KeypointCorrection) -> tuple[int, str]:
@@ -227,9 +234,13 @@ def _answered(doc: Session, place: Place, answer: Answer) -> Session:
     part = place.part or doc.subject.body.names[0]
     first, last = min(place.frames[0], place.frame), max(place.frames[1], place.frame)
     given = Reviewed(
-        part=part, frame=place.frame, first_frame=first, last_frame=last, answer=answer,
+        part=part,
+        frame=place.frame,
+        first_frame=first,
+        last_frame=last,
+        answer=answer,
         seen_m=(x, y, z),
-    )  # fmt: skip
+    )
     others = [
         old
         for old in doc.subject.reviewed

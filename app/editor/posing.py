@@ -174,10 +174,15 @@ class Angles(Edit):
     def apply(self, state: EditorState) -> Session:
         state.doc.subject.body.index(self.part)
         pose = with_angles(
-            state.skeleton, shown_pose(state).pose, self.part, self.x, self.y, self.z,
+            state.skeleton,
+            shown_pose(state).pose,
+            self.part,
+            self.x,
+            self.y,
+            self.z,
             limits_on=state.display.limits and not self.free,
             up_camera=up_of(state.doc, state.frame),
-        )  # fmt: skip
+        )
         return with_pose(state, _with_pinned(state, pose, self.part))
 
 
@@ -326,9 +331,18 @@ class TakeTracked(Edit):
 
 
 MESSAGES = (
-    Drag, Angles, Root, Face, ResetPart, ResetPose, Exchange, TurnInDepth, Untwist, CopyKey,
+    Drag,
+    Angles,
+    Root,
+    Face,
+    ResetPart,
+    ResetPose,
+    Exchange,
+    TurnInDepth,
+    Untwist,
+    CopyKey,
     TakeTracked,
-)  # fmt: skip
+)
 
 
 def with_pose(

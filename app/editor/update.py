@@ -159,9 +159,19 @@ class CancelStroke(Rewind):
 
 
 MESSAGES = (
-    Go, Select, Show, Switch, Axes, ShowAngle, BeginGuide, Undo, Redo, GoToStep, EndStroke,
+    Go,
+    Select,
+    Show,
+    Switch,
+    Axes,
+    ShowAngle,
+    BeginGuide,
+    Undo,
+    Redo,
+    GoToStep,
+    EndStroke,
     CancelStroke,
-)  # fmt: skip
+)
 
 
 def _at_neighbour(state: EditorState, found: tuple[Step, History] | None, do: str) -> EditorState:

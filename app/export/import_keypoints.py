@@ -102,9 +102,14 @@ def drafts_of(
 
 
 def _draft(
-    session: Session, known: Matched, uv: Array, sure: Array, frame: int,
-    near: Pose | None, times_s: Array,
-) -> Draft | None:  # fmt: skip
+    session: Session,
+    known: Matched,
+    uv: Array,
+    sure: Array,
+    frame: int,
+    near: Pose | None,
+    times_s: Array,
+) -> Draft | None:
     """The pose that is seen at the keypoints; None where none lies before the camera."""
     skeleton, camera = Skeleton.of(session.subject.body), session.camera_at(frame)
     points = BodyPoints(skeleton, tuple(known.places))
@@ -121,9 +126,13 @@ def _draft(
 
 
 def _starts(
-    session: Session, camera: Camera, up_camera: Position, points: BodyPoints, uv: Array,
+    session: Session,
+    camera: Camera,
+    up_camera: Position,
+    points: BodyPoints,
+    uv: Array,
     near: Pose | None,
-) -> list[Pose]:  # fmt: skip
+) -> list[Pose]:
     """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
     rest = opening_pose(session.subject.body, camera, up_camera)
     camera = camera.without_distortion()

@@ -198,9 +198,12 @@ def _require_a_size(size: float, file: str) -> None:
 
 
 def _best_start(
-    points: BodyPoints, motion: JointMotion, indices: Sequence[int], times_s: Array,
+    points: BodyPoints,
+    motion: JointMotion,
+    indices: Sequence[int],
+    times_s: Array,
     posed: Mapping[int, Pose],
-) -> int:  # fmt: skip
+) -> int:
     """The video's frame at the motion's time 0: 0, or that at which it lies by far nearer to the
     keyframes."""
     frames = sorted(posed)

@@ -42,8 +42,12 @@ from keypose.tracker.video.info import VideoInfo
 Kind: TypeAlias = Literal["motion", "keypoints", "camera"]
 
 _CAMERA_PROGRAMS: Final = {
-    ".json": "JSON", ".chan": "Nuke", ".glb": "glTF", ".gltf": "glTF", ".txt": "COLMAP or TUM",
-}  # fmt: skip
+    ".json": "JSON",
+    ".chan": "Nuke",
+    ".glb": "glTF",
+    ".gltf": "glTF",
+    ".txt": "COLMAP or TUM",
+}
 _KINDS: Final[Sequence[tuple[Kind, frozenset[str]]]] = (
     ("motion", frozenset(MOTION_READERS)),
     ("keypoints", frozenset({*KEYPOINT_READERS, ".json"})),

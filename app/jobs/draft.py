@@ -166,10 +166,23 @@ def drafted(
     lifter = lifter_for_drafts(session, lambda: video.info.times_s)
     try:
         found = draft_clip(
-            picture, frames, at, box, camera, session.subject.body, network, again=network.plain,
-            proportions=proportions, up_world=session.world.up_world, path=session.camera_path,
-            lifter=lifter, report=reporter, film=film, kept=kept, every_second=half,
-        )  # fmt: skip
+            picture,
+            frames,
+            at,
+            box,
+            camera,
+            session.subject.body,
+            network,
+            again=network.plain,
+            proportions=proportions,
+            up_world=session.world.up_world,
+            path=session.camera_path,
+            lifter=lifter,
+            report=reporter,
+            film=film,
+            kept=kept,
+            every_second=half,
+        )
     except Cancelled:
         part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
         if part is None:
@@ -178,10 +191,15 @@ def drafted(
         seed = Seed.of_box(at, box, camera.width, camera.height)
         keypoints = detect(picture, part, [seed], network, film=film, kept=kept, every_second=half)
         found = draft_from_keypoints(
-            keypoints, camera, session.subject.body, proportions=proportions,
-            up_world=session.world.up_world, path=session.camera_path, lifter=lifter,
+            keypoints,
+            camera,
+            session.subject.body,
+            proportions=proportions,
+            up_world=session.world.up_world,
+            path=session.camera_path,
+            lifter=lifter,
             report=DraftReporter(report, never),
-        )  # fmt: skip
+        )
         return Drafted(_outlined(found, session), network.fingerprint, part)
     detected.keep_pace(name, time.monotonic() - began)
     return Drafted(_outlined(found, session), network.fingerprint)
@@ -243,10 +261,15 @@ class DraftClip(Fit):
             context.report(share, words, seconds_left=left)
 
         return drafted(
-            session, context.cache.video(session, self.video_path), self.frame, self.box,
-            self.frames, proportions=self.proportions, report=report,
+            session,
+            context.cache.video(session, self.video_path),
+            self.frame,
+            self.box,
+            self.frames,
+            proportions=self.proportions,
+            report=report,
             cancelled=context.cancelled,
-        )  # fmt: skip
+        )
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return doc.subject.body, *filmed_by(doc), doc.view.surface, doc.subject.keyframes

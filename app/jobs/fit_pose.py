@@ -94,10 +94,18 @@ class FitPose(Fit):
         camera, steady = session.view.camera, sidecars.one_focal(session)
         source = steadied(keypoint_source(session, video, given), steady)
         found = fit_pose_to_picture(
-            video, camera, skeleton, self.frame, self.pose, others, self.tracked,
-            masks=session.view.ignore_masks, cancelled=context.cancelled, source=source,
+            video,
+            camera,
+            skeleton,
+            self.frame,
+            self.pose,
+            others,
+            self.tracked,
+            masks=session.view.ignore_masks,
+            cancelled=context.cancelled,
+            source=source,
             steady=steady,
-        )  # fmt: skip
+        )
         return FoundPose(found.pose, found.way != "nothing", found.message)
 
     def on_surfaces(self, session: Session, context: Context) -> FoundPose:

@@ -46,10 +46,16 @@ class FitSizes(Fit):
         skeleton = Skeleton.of(session.subject.body)
         keyposes = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
         return fit_sizes(
-            video, session.view.camera, session.subject.body, keyposes, focal=self.focal,
-            masks=session.view.ignore_masks, cancelled=context.cancelled, up=session.world.up_world,
+            video,
+            session.view.camera,
+            session.subject.body,
+            keyposes,
+            focal=self.focal,
+            masks=session.view.ignore_masks,
+            cancelled=context.cancelled,
+            up=session.world.up_world,
             path=session.camera_path,
-        )  # fmt: skip
+        )
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (

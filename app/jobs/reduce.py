@@ -43,9 +43,13 @@ class ReduceMotion(Fit):
         frames = (action.first or 0, last if action.last is None else action.last)
         imported = load_first_motion(edit.doc, opened.session_path.absolute().parent)
         found = reducible(
-            edit.doc, edit.fitting, imported,
-            frames=frames, limbs=action.limbs, replacing=action.replacing,
-        )  # fmt: skip
+            edit.doc,
+            edit.fitting,
+            imported,
+            frames=frames,
+            limbs=action.limbs,
+            replacing=action.replacing,
+        )
         given = sent(opened, edit.doc, keyframes=(), part_keyframes=())
         return cls(*given, found, _goal_of(action))
 

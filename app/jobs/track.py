@@ -69,9 +69,13 @@ class Track(Job):
 
     @classmethod
     def of(
-        cls, session: Session, video_path: Path, wanted: Sequence[Wanted],
-        stages: Sequence[Quality] = ("full",), folder: Path | None = None,
-    ) -> Self:  # fmt: skip
+        cls,
+        session: Session,
+        video_path: Path,
+        wanted: Sequence[Wanted],
+        stages: Sequence[Quality] = ("full",),
+        folder: Path | None = None,
+    ) -> Self:
         """The published method knows no qualities: once is enough."""
         words, paper = session.evidence.words, session.settings.method == "paper"
         return cls(

@@ -34,9 +34,13 @@ Size: TypeAlias = tuple[int, int]
 
 VIEWS: Final = ("main", "top", "side", "front", "all")
 _LABELS: Final = {
-    "main": "Camera", "all": "All four views", "top": "Top", "side": "Side", "front": "Front",
+    "main": "Camera",
+    "all": "All four views",
+    "top": "Top",
+    "side": "Side",
+    "front": "Front",
     "orbit": "Once round the body",
-}  # fmt: skip
+}
 _STYLES: Final = {"wire": "Wire", "solid": "Solid", "both": "Both"}
 ELEVATION_DEG: Final = 12.0
 """A little above, so that the floor is seen to lie."""
@@ -101,8 +105,10 @@ class Drawn:
 
     style: Style = option(
         Choice(names=("wire", "solid", "both"), labels=_STYLES),
-        "how the body is drawn over the video", "both", label="Body",
-    )  # fmt: skip
+        "how the body is drawn over the video",
+        "both",
+        label="Body",
+    )
     opacity: float = option(
         Percent(), "opacity of the solid body over the video, 50 as a rule", 0.5
     )
@@ -141,8 +147,9 @@ class PictureOrder(Drawn):
     background: Background = option(
         Choice(names=("video", "none"), labels={"video": "Video", "none": "Transparent"}),
         "none: the body alone on a transparent background, without labels and floor",
-        "video", label="Background",
-    )  # fmt: skip
+        "video",
+        label="Background",
+    )
 
     @property
     def on_nothing(self) -> bool:
@@ -190,8 +197,9 @@ class FilmOrder(Drawn):
         Seen(names=(*VIEWS, "orbit")),
         "main, top, side, front, all, orbit, or camera:AZIMUTH,ELEVATION[,METRES] in degrees and "
         "metres from the body",
-        "main", label="View",
-    )  # fmt: skip
+        "main",
+        label="View",
+    )
     frames: tuple[int, int] | None = option(
         FrameRange(), "first and last frame; default: all frames that have a pose", label="Frames"
     )
@@ -199,9 +207,11 @@ class FilmOrder(Drawn):
         SIZE, "size of the film in pixels; default: the video's", label="Size", empty="As the video"
     )
     fps: Fraction | None = option(
-        Rate(), "frames per second; default: the video's own timing", label="Rate",
+        Rate(),
+        "frames per second; default: the video's own timing",
+        label="Rate",
         empty="As the video",
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True)
@@ -209,9 +219,11 @@ class SheetOrder(Drawn):
     """All keyframes on one picture."""
 
     columns: int | None = option(
-        Whole("N", 1, 100), "pictures per row; default: automatic", label="Columns",
+        Whole("N", 1, 100),
+        "pictures per row; default: automatic",
+        label="Columns",
         empty="As it fits",
-    )  # fmt: skip
+    )
 
 
 _MATTES: Final = {"png": "PNG, ZIP", "webm": "WebM", "mov": "MOV"}
@@ -223,18 +235,24 @@ class MatteOrder:
 
     kind: MatteKind = option(
         Choice(names=tuple(_MATTES), labels=_MATTES),
-        "png: a folder of pictures; webm: a film, VP9; mov: a film, ProRes 4444", "png",
+        "png: a folder of pictures; webm: a film, VP9; mov: a film, ProRes 4444",
+        "png",
         label="Format",
-    )  # fmt: skip
+    )
     frames: tuple[int, int] | None = option(
         FrameRange(), "first and last frame; default: all frames of the video", label="Frames"
     )
     alpha_only: bool = option(
-        Switch(labels=("With alpha", "Alpha alone, grey")), "write the alpha alone, in grey", False,
+        Switch(labels=("With alpha", "Alpha alone, grey")),
+        "write the alpha alone, in grey",
+        False,
         label="Picture",
-    )  # fmt: skip
+    )
 
 
 DRAWN: Final[Mapping[str, type[FilmOrder | PicturesOrder | SheetOrder | MatteOrder]]] = {
-    "film": FilmOrder, "pictures": PicturesOrder, "sheet": SheetOrder, "matte": MatteOrder,
-}  # fmt: skip
+    "film": FilmOrder,
+    "pictures": PicturesOrder,
+    "sheet": SheetOrder,
+    "matte": MatteOrder,
+}

@@ -97,15 +97,23 @@ class _Both:
         Name("NAME"), "which of several subjects to read", label="Individual", empty="Choose…"
     )
     offset_frames: int | None = option(
-        _OFFSET, _OFFSET_WORDS,
-        label="Start frame", empty="0", group="offset", note=_OFFSET_NOTE,
-    )  # fmt: skip
+        _OFFSET,
+        _OFFSET_WORDS,
+        label="Start frame",
+        empty="0",
+        group="offset",
+        note=_OFFSET_NOTE,
+    )
     places: tuple[tuple[str, str], ...] = option(
         _Place(),
         "where on the body a joint or keypoint is, if its name does not say: a part, PART.end or a "
         "landmark; may be repeated",
-        (), flag="map", repeated=True, label="Other names", note="optional",
-    )  # fmt: skip
+        (),
+        flag="map",
+        repeated=True,
+        label="Other names",
+        note="optional",
+    )
 
 
 @dataclass(frozen=True)
@@ -118,23 +126,23 @@ class ImportMotion(_Both):
     """
 
     fps: Fraction | None = option(
-        Rate("X", Fraction(1, 1000), 100_000), "frames per second of the file", label="Rate",
+        Rate("X", Fraction(1, 1000), 100_000),
+        "frames per second of the file",
+        label="Rate",
         empty="As the video",
-    )  # fmt: skip
+    )
     unit: Unit | Literal["auto"] | None = option(
-        Choice(
-            names=(*_UNITS, "auto"), labels={**_UNITS, "auto": "Scale to the body"}
-        ),
+        Choice(names=(*_UNITS, "auto"), labels={**_UNITS, "auto": "Scale to the body"}),
         _UNIT_WORDS,
-        label="Unit", empty="Scale to the body",
-    )  # fmt: skip
+        label="Unit",
+        empty="Scale to the body",
+    )
     world: World | None = option(
-        _World(
-            names=("camera", *_UP), labels={"camera": "As the camera sees", **_UP}
-        ),
+        _World(names=("camera", *_UP), labels={"camera": "As the camera sees", **_UP}),
         _WORLD_WORDS,
-        label="World", empty="Not said by the file",
-    )  # fmt: skip
+        label="World",
+        empty="Not said by the file",
+    )
     names: Path | None = option(_Names(), '{"their name": "our joint", …}', page=False)
     offset_s: float | None = option(
         Number("S", -1e6, 1e6), "video time at the file's time 0, in seconds", group="offset"
@@ -152,19 +160,26 @@ class ImportKeypoints(_Both):
     layout: str | None = option(
         _Layout("NAME", tuple(LAYOUTS)),
         f"order of the keypoints if the file does not state it: {', '.join(LAYOUTS)}",
-        label="Layout", empty="Choose…",
-    )  # fmt: skip
+        label="Layout",
+        empty="Choose…",
+    )
     every: int | None = option(
-        Whole("N", 1, 1_000_000), f"frames from one draft to the next; default: {EVERY}",
-        label="Drafts every", empty=str(EVERY), note="frames", group="drafted",
-    )  # fmt: skip
+        Whole("N", 1, 1_000_000),
+        f"frames from one draft to the next; default: {EVERY}",
+        label="Drafts every",
+        empty=str(EVERY),
+        note="frames",
+        group="drafted",
+    )
     frames: tuple[int, ...] | None = option(
         Frames(), "frames to draft", label="or at frames", empty="0, 24, 48", group="drafted"
     )
     exchange: bool = option(
         Switch(labels=("As the file says", "Swap left and right")),
-        "swap left and right keypoints", False, label="Sides",
-    )  # fmt: skip
+        "swap left and right keypoints",
+        False,
+        label="Sides",
+    )
 
 
 @dataclass(frozen=True)
@@ -185,29 +200,33 @@ class ImportCamera:
         _World(names=tuple(_UP), labels=_UP), _WORLD_WORDS, label="World", empty="Y up"
     )
     rotation_order: RotationOrder | None = option(
-        Choice(
-            names=_ROTATION_ORDERS, labels={name: name.upper() for name in _ROTATION_ORDERS}
-        ),
+        Choice(names=_ROTATION_ORDERS, labels={name: name.upper() for name in _ROTATION_ORDERS}),
         "axes about which a .chan file turns the camera, the first one first; default: zxy",
-        label="Rotation order", empty="ZXY",
-    )  # fmt: skip
+        label="Rotation order",
+        empty="ZXY",
+    )
     lens_column: LensColumn | None = option(
         Choice(
             names=("vertical", "horizontal", "mm", "session"),
             labels={
-                "vertical": "Vertical field of view", "horizontal": "Horizontal field of view",
-                "mm": "Focal length, mm", "session": "Nothing: keep the lens",
+                "vertical": "Vertical field of view",
+                "horizontal": "Horizontal field of view",
+                "mm": "Focal length, mm",
+                "session": "Nothing: keep the lens",
             },
         ),
         "what the last column of a .chan file is: the vertical or horizontal field of view, the "
         "focal length in mm of film 36 mm wide, or nothing that counts, the session's lens "
         "staying; default: vertical",
-        label="Last column", empty="Vertical field of view",
-    )  # fmt: skip
+        label="Last column",
+        empty="Vertical field of view",
+    )
 
 
 ImportOrder: TypeAlias = ImportMotion | ImportKeypoints | ImportCamera
 
 IMPORTS: Final[Mapping[str, type[ImportOrder]]] = {
-    "motion": ImportMotion, "keypoints": ImportKeypoints, "camera": ImportCamera,
-}  # fmt: skip
+    "motion": ImportMotion,
+    "keypoints": ImportKeypoints,
+    "camera": ImportCamera,
+}

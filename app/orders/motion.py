@@ -38,26 +38,35 @@ class MotionOrder:
         Choice("NAME", tuple(RIGS), _RIGS, _RIG_NOTES),
         "names and rest pose of bones: "
         + "; ".join(f"{name}: {words}" for name, words in RIGS.items()),
-        OWN, label="Rig", only="rigged", persons=True,
-    )  # fmt: skip
+        OWN,
+        label="Rig",
+        only="rigged",
+        persons=True,
+    )
     unit: FileUnit = option(
         Choice(None, tuple(FILE_UNITS), _UNITS, _UNIT_NOTES),
         "of lengths in bvh, which cannot name its own: "
         + "; ".join(f"{name}: {words}" for name, words in FILE_UNITS.items()),
-        "m", label="Unit", only="unitless",
-    )  # fmt: skip
+        "m",
+        label="Unit",
+        only="unitless",
+    )
     markers: MarkerSetName = option(
         Choice(None, ("keypose", "halpe26"), _MARKERS),
         "of trc and c3d: keypose, the body's joints and landmarks; halpe26, a person's by the "
         "names of Pose2Sim",
-        "keypose", label="Markers", only="marked", persons=True,
-    )  # fmt: skip
+        "keypose",
+        label="Markers",
+        only="marked",
+        persons=True,
+    )
     origin: Origin = option(
         Choice(None, tuple(ORIGINS), _ORIGINS, _ORIGIN_NOTES),
         "of the world that all formats have in common, y up, the floor at zero: "
         + "; ".join(f"{name}: {words}" for name, words in ORIGINS.items()),
-        "body", label="Origin",
-    )  # fmt: skip
+        "body",
+        label="Origin",
+    )
     frames: tuple[int, int] | None = option(
         FrameRange(), "first and last frame of the video; default: all", label="Frames"
     )
@@ -65,23 +74,28 @@ class MotionOrder:
         Rate(),
         "sample the motion at so many frames per second, as fast as it was; default: the video's "
         "rate. How fast it was recorded is said by `keypose open --recorded-fps`",
-        label="Rate", empty="As the video",
-    )  # fmt: skip
+        label="Rate",
+        empty="As the video",
+    )
     from_zero: bool = option(
         Switch(labels=("As in the video", "From 0")),
         "times and frames begin at 0, as game engines and web players expect, and not where they "
         "are in the film",
-        False, label="Times", note="From 0 for game engines and web players",
-    )  # fmt: skip
+        False,
+        label="Times",
+        note="From 0 for game engines and web players",
+    )
     filter_hz: float | None = option(
         Number("HZ", 0.01, 1000, "a cut-off such as 6Hz", "Hz"),
         "frequency at which a zero-phase low-pass filter is 3 dB down, such as 6Hz: a "
         "second-order Butterworth filter forward and back, both passes together. Where a program "
         "runs one of 6 Hz forward and back, it is 6 dB down there: that is --filter 4.8Hz, 5Hz at "
         "30 frames a second; default: none",
-        flag="filter", label="Low-pass filter", empty="None",
+        flag="filter",
+        label="Low-pass filter",
+        empty="None",
         note="3 dB down there, both passes together",
-    )  # fmt: skip
+    )
 
 
 AS_TRACKED: Final = MotionOrder()

@@ -15,9 +15,13 @@ _AXES_OF_KIND = {
     "foot": {"x": "Bend", "y": "Turn", "z": "Roll"},
 }
 _JOINTS = {
-    "upper_arm": "shoulder", "forearm": "elbow", "hand": "wrist",
-    "thigh": "hip", "shin": "knee", "foot": "ankle",
-}  # fmt: skip
+    "upper_arm": "shoulder",
+    "forearm": "elbow",
+    "hand": "wrist",
+    "thigh": "hip",
+    "shin": "knee",
+    "foot": "ankle",
+}
 
 
 def part_label(name: str) -> str:

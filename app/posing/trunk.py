@@ -50,9 +50,12 @@ NEAREST_M = 0.05
 YIELD_M = 0.12
 """How far a joint can be dragged before the whole body goes along."""
 CRITERIA = Criteria(
-    most_steps=5, longest_step=0.3, settled=1e-5, rejects=False,
+    most_steps=5,
+    longest_step=0.3,
+    settled=1e-5,
+    rejects=False,
     damping=Damping(first=1e-3, easier=1.0),
-)  # fmt: skip
+)
 """Every step is taken, damped alike: then a small move of the pointer moves the trunk little."""
 
 

@@ -69,9 +69,17 @@ def snapshot(
         picture = overlay(ground, camera, skeleton, pose, look.style, look.opacity)
         return picture if image is not None else labelled(picture, frame)
     return four_views(
-        ground, camera, skeleton, pose, look.style, look.opacity, camera.height, label, Rs,
+        ground,
+        camera,
+        skeleton,
+        pose,
+        look.style,
+        look.opacity,
+        camera.height,
+        label,
+        Rs,
         surface=surface,
-    )  # fmt: skip
+    )
 
 
 def ground_of(camera: Camera, image: Picture | None) -> Picture:
@@ -206,9 +214,18 @@ class Studio:
         that was observed, in the three small ones."""
         label = f"Frame {frame}" + (" is missing" if image is None else "")
         picture = four_views(
-            ground_of(self.camera, image), self.camera, self.skeleton, pose, paint.style,
-            paint.opacity, self.height_of_four(size), label, self.Rs, framing, surface,
-        )  # fmt: skip
+            ground_of(self.camera, image),
+            self.camera,
+            self.skeleton,
+            pose,
+            paint.style,
+            paint.opacity,
+            self.height_of_four(size),
+            label,
+            self.Rs,
+            framing,
+            surface,
+        )
         return _on_sheet(picture, size)
 
     def parallel(

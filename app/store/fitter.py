@@ -39,11 +39,17 @@ Asking: TypeAlias = (
 """What a person asks to be fitted."""
 
 JOBS: Mapping[type[Asking], Any] = {
-    do.FitHere: FitPose, do.FitSizes: FitSizes, do.Draft: DraftClip,
-    do.DraftRest: DraftClip, do.TrackAhead: FollowAhead,
-    do.Reduce: ReduceMotion, do.Stand: StandOnFloor,
-    do.Lift: LiftDrafts, do.FindUp: FindUp, do.FindCamera: FindCamera,
-}  # fmt: skip
+    do.FitHere: FitPose,
+    do.FitSizes: FitSizes,
+    do.Draft: DraftClip,
+    do.DraftRest: DraftClip,
+    do.TrackAhead: FollowAhead,
+    do.Reduce: ReduceMotion,
+    do.Stand: StandOnFloor,
+    do.Lift: LiftDrafts,
+    do.FindUp: FindUp,
+    do.FindCamera: FindCamera,
+}
 
 
 class Fitter:

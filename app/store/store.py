@@ -369,9 +369,12 @@ class Store:
     def take(self, after: AppState) -> None:
         """Go on from what a job, or the answer to it, made of the state."""
         self._set(
-            fit=after.fit, up=after.up, draft=after.draft, preview=after.preview,
+            fit=after.fit,
+            up=after.up,
+            draft=after.draft,
+            preview=after.preview,
             reduction=after.reduction,
-        )  # fmt: skip
+        )
         self._edit_to(after.editing)
 
     # --- files from elsewhere

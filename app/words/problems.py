@@ -213,9 +213,13 @@ def _length(found: Problem) -> int:
 def _verdict(found: Problem) -> Verdict:
     """What verdicts have words for."""
     return Verdict.model_construct(
-        kind=found.kind, cause=found.cause, part=found.part, frames=found.frames, go=found.frame,
+        kind=found.kind,
+        cause=found.cause,
+        part=found.part,
+        frames=found.frames,
+        go=found.frame,
         text=found.text,
-    )  # fmt: skip
+    )
 
 
 _SPACE_SENTENCES: Final[Mapping[str, str]] = {

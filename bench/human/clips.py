@@ -42,9 +42,21 @@ from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import RenderSettings
 
 SIZE = (640, 360)
-JOINTS = ("head_top", *(f"{side}_{part}" for side in ("left", "right") for part in (
-    "upper_arm", "forearm", "hand", "thigh", "shin", "foot",
-)))  # fmt: skip
+JOINTS = (
+    "head_top",
+    *(
+        f"{side}_{part}"
+        for side in ("left", "right")
+        for part in (
+            "upper_arm",
+            "forearm",
+            "hand",
+            "thigh",
+            "shin",
+            "foot",
+        )
+    ),
+)
 """What is seen of a rendered person: as much as is marked of real ones."""
 CLIPS = ("balance", "walk", "person", "stride", "throw", "speech")
 CARRIED_PX = 4.0
@@ -91,9 +103,11 @@ class Watched:
     def until(self, last: int) -> Watched:
         """The clip without what comes after a frame."""
         return replace(
-            self, last=last, seen={f: at for f, at in self.seen.items() if f <= last},
+            self,
+            last=last,
+            seen={f: at for f, at in self.seen.items() if f <= last},
             true={f: at for f, at in self.true.items() if f <= last},
-        )  # fmt: skip
+        )
 
     def unsized(self) -> Watched:
         """The clip as it is opened: with the body of a preset."""
@@ -293,9 +307,13 @@ def _pixel(uv: Array) -> tuple[float, float]:
 def _session(video: Video, camera: Camera, body: Body) -> Session:
     info = video.info
     reference = VideoReference(
-        path=info.path.name, fingerprint=video.fingerprint(), frame_count=info.frame_count,
-        width=info.width, height=info.height, stands_still=still_camera(video).still,
-    )  # fmt: skip
+        path=info.path.name,
+        fingerprint=video.fingerprint(),
+        frame_count=info.frame_count,
+        width=info.width,
+        height=info.height,
+        stands_still=still_camera(video).still,
+    )
     settings = Defaults().track_settings
     return Session.begin(video=reference, camera=camera, body=body, settings=settings)
 

@@ -21,9 +21,14 @@ def main() -> None:
     measure = commands.add_parser("measure", help="print figures of the network in the package")
     measure.add_argument("--capture", type=Path, help="mocap_30hz.npz")
     measure.add_argument(
-        "--film", nargs=2, type=Path, action="append", default=[], metavar=("CLIP", "SESSION"),
+        "--film",
+        nargs=2,
+        type=Path,
+        action="append",
+        default=[],
+        metavar=("CLIP", "SESSION"),
         help="a folder with a film and markers, and what `keypose draft` wrote of the film",
-    )  # fmt: skip
+    )
     given = parser.parse_args()
     # each needs packages that others do not
     if given.command == "train":

@@ -60,9 +60,11 @@ def export(nets: list[Weights], path: Path) -> str:
     shape = helper.make_tensor_value_info("input", TensorProto.FLOAT, [1, INPUTS, "rows", 1])
     graph = helper.make_graph(nodes, "lifter", [shape], outputs, tensors)
     model = helper.make_model(
-        graph, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="keypose bench.lift",
+        graph,
+        opset_imports=[helper.make_opsetid("", OPSET)],
+        producer_name="keypose bench.lift",
         doc_string=THANKS,
-    )  # fmt: skip
+    )
     model.ir_version = IR_VERSION
     onnx.checker.check_model(model)
     content = model.SerializeToString()

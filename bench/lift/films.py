@@ -17,8 +17,14 @@ from keypose.tracker.keypoints.lifting import LIFTED, turns
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.sidecars import keypoints_of_session
 
-OF_MARKERS = {"femur": "hip", "tibia": "knee", "talus": "ankle", "humerus": "shoulder",
-              "ulna": "elbow", "hand": "wrist"}  # fmt: skip
+OF_MARKERS = {
+    "femur": "hip",
+    "tibia": "knee",
+    "talus": "ankle",
+    "humerus": "shoulder",
+    "ulna": "elbow",
+    "hand": "wrist",
+}
 NAMES = [f"{side}_{joint}" for joint in OF_MARKERS.values() for side in ("right", "left")]
 """The twelve joints that are compared."""
 

@@ -25,11 +25,19 @@ def initial(seed: int, width: int = WIDTH, blocks: int = BLOCKS) -> Weights:
     def layer(rows: int, columns: int, scale: float = 1.0) -> Any:
         return jnp.array(rng.normal(size=(rows, columns)) * np.sqrt(2 / rows) * scale, jnp.float32)
 
-    weights = {"w0": layer(INPUTS, width), "b0": jnp.zeros(width),
-               "wo": layer(width, OUTPUTS, 0.1), "bo": jnp.zeros(OUTPUTS)}  # fmt: skip
+    weights = {
+        "w0": layer(INPUTS, width),
+        "b0": jnp.zeros(width),
+        "wo": layer(width, OUTPUTS, 0.1),
+        "bo": jnp.zeros(OUTPUTS),
+    }
     for n in range(blocks):
-        weights |= {f"w{n}a": layer(width, width), f"b{n}a": jnp.zeros(width),
-                    f"w{n}b": layer(width, width, 0.3), f"b{n}b": jnp.zeros(width)}  # fmt: skip
+        weights |= {
+            f"w{n}a": layer(width, width),
+            f"b{n}a": jnp.zeros(width),
+            f"w{n}b": layer(width, width, 0.3),
+            f"b{n}b": jnp.zeros(width),
+        }
     return weights
 
 
@@ -94,6 +102,8 @@ def step(
     m_scale, s_scale = 1 / (1 - 0.9**count), 1 / (1 - 0.995**count)
     weights = jax.tree.map(
         lambda w, m, s: w - rate * (m * m_scale / (jnp.sqrt(s * s_scale) + 1e-8) + 1e-3 * w),
-        weights, mean, square,
-    )  # fmt: skip
+        weights,
+        mean,
+        square,
+    )
     return weights, mean, square, value

@@ -14,10 +14,26 @@ import numpy as np
 from keypose.tracker.geometry.rotations import Array
 
 JOINTS = (
-    "pelvis", "hip_r", "knee_r", "ankle_r", "toe_r", "hip_l", "knee_l", "ankle_l", "toe_l",
-    "chest", "neck", "head", "head_top", "shoulder_r", "elbow_r", "wrist_r",
-    "shoulder_l", "elbow_l", "wrist_l",
-)  # fmt: skip
+    "pelvis",
+    "hip_r",
+    "knee_r",
+    "ankle_r",
+    "toe_r",
+    "hip_l",
+    "knee_l",
+    "ankle_l",
+    "toe_l",
+    "chest",
+    "neck",
+    "head",
+    "head_top",
+    "shoulder_r",
+    "elbow_r",
+    "wrist_r",
+    "shoulder_l",
+    "elbow_l",
+    "wrist_l",
+)
 """In the order of the captures."""
 RATE = 30
 """Frames a second."""
@@ -81,10 +97,15 @@ list (rad); each foot's way out, up and ahead (m)."""
 class _Style:
     """What stays through a clip, and how its keys come."""
 
-    def __init__(self, key: Callable[[int, np.random.Generator], list[float]],
-                 rng: np.random.Generator, pauses: tuple[float, float] = (0.5, 1.6),
-                 width: tuple[float, float] = (0.08, 0.28), stride: float = 0.0,
-                 back_heel: float = 0.0) -> None:  # fmt: skip
+    def __init__(
+        self,
+        key: Callable[[int, np.random.Generator], list[float]],
+        rng: np.random.Generator,
+        pauses: tuple[float, float] = (0.5, 1.6),
+        width: tuple[float, float] = (0.08, 0.28),
+        stride: float = 0.0,
+        back_heel: float = 0.0,
+    ) -> None:
         self.key, self.pauses = key, pauses
         self.half_width = rng.uniform(*width)
         self.toes_out = rng.uniform(0.0, 0.6, 2)

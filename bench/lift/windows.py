@@ -20,8 +20,15 @@ from keypose.tracker.keypoints.lifting import (
 )
 
 RATE = 30
-_OF_CAPTURE = {"hip": "hip", "knee": "knee", "ankle": "ankle", "foot_index": "toe",
-               "shoulder": "shoulder", "elbow": "elbow", "wrist": "wrist"}  # fmt: skip
+_OF_CAPTURE = {
+    "hip": "hip",
+    "knee": "knee",
+    "ankle": "ankle",
+    "foot_index": "toe",
+    "shoulder": "shoulder",
+    "elbow": "elbow",
+    "wrist": "wrist",
+}
 
 
 def _capture_name(name: str) -> str:
@@ -54,8 +61,16 @@ CHILDREN = 0.1
 OFF_M = np.zeros(19, np.float32)
 """How far from the joint a network of keypoints sees it: standard deviation along each axis of the
 body, the same through a window."""
-_OFF_M = {"hip": 0.022, "knee": 0.014, "ankle": 0.014, "toe": 0.02, "head": 0.03,
-          "shoulder": 0.024, "elbow": 0.014, "wrist": 0.016}  # fmt: skip
+_OFF_M = {
+    "hip": 0.022,
+    "knee": 0.014,
+    "ankle": 0.014,
+    "toe": 0.02,
+    "head": 0.03,
+    "shoulder": 0.024,
+    "elbow": 0.014,
+    "wrist": 0.016,
+}
 for _n in SEEN:
     OFF_M[_n] = _OFF_M[JOINTS[_n].split("_")[0]]
 WIDER_M = 0.03
@@ -124,8 +139,10 @@ class Capture:
     def motions(self, kept: list[bool]) -> Motions:
         """Those of kept clips; of much of one person a window is drawn less often."""
         sizes = np.diff(self.starts)
-        of_subject = {s: sum(n for n, other in zip(sizes, self.subjects, strict=True) if other == s)
-                      for s in set(self.subjects)}  # fmt: skip
+        of_subject = {
+            s: sum(n for n, other in zip(sizes, self.subjects, strict=True) if other == s)
+            for s in set(self.subjects)
+        }
         weights = np.array([of_subject[s] ** -0.5 for s in self.subjects]) * kept
         return Motions.of(self.joints, self.root, self.starts, weights)
 

@@ -52,9 +52,11 @@ def python_with_bpy() -> Path:
     """The interpreter of the environment; Absent where bpy does not install."""
     python = Path("bin/python") if sys.platform != "win32" else Path("Scripts/python.exe")
     place = installed(
-        "bpy", f"bpy-{sys.version_info.major}.{sys.version_info.minor}",
-        [sys.executable, "-m", "venv", "."], [python, "-m", "pip", "install", "--quiet", "bpy"],
-    )  # fmt: skip
+        "bpy",
+        f"bpy-{sys.version_info.major}.{sys.version_info.minor}",
+        [sys.executable, "-m", "venv", "."],
+        [python, "-m", "pip", "install", "--quiet", "bpy"],
+    )
     return place / python
 
 
@@ -75,7 +77,13 @@ def _row(table: Table, made: Written, found: dict[str, Any]) -> None:
     rate = FPS / float(steps.mean())
     bone, height, floor = (1000 * float(m) for m in (max(off_m), height_m, max(floor_m)))
     table.row(
-        made.rig_name, len(made.rig), bone, height, floor, float(max(off_px)), rate,
+        made.rig_name,
+        len(made.rig),
+        bone,
+        height,
+        floor,
+        float(max(off_px)),
+        rate,
         expected=(
             Expected("bones off", bone, MOST_BONE_MM, "mm"),
             Expected("height off", height, MOST_HEIGHT_MM, "mm"),
@@ -85,4 +93,4 @@ def _row(table: Table, made: Written, found: dict[str, Any]) -> None:
             Expected("keys between frames", float(np.ptp(steps)), 1e-3),
             Expected("keys missing", abs(len(found["keys"]) - len(made.recording)), 0),
         ),
-    )  # fmt: skip
+    )

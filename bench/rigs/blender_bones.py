@@ -47,8 +47,11 @@ def _found(python: Path, kind: str, made: Written) -> dict[str, Any]:
         frames = [str(frame + FIRST[kind]) for frame in FRAMES]
         said = subprocess.run(
             [python, SCRIPT, Path(folder) / f"motion.{kind}", *frames],
-            cwd=folder, capture_output=True, text=True, timeout=SECONDS,
-        )  # fmt: skip
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=SECONDS,
+        )
         return dict(json.loads(said.stdout.rpartition("RESULT ")[2]))
 
 
@@ -62,14 +65,18 @@ def _row(table: Table, kind: str, made: Written, found: dict[str, Any]) -> None:
     first, last = found["range"]
     off, frames = 1000 * float(max(off_m)), last - first + 1
     table.row(
-        made.rig_name, len(bones), off, max(heights), frames,
+        made.rig_name,
+        len(bones),
+        off,
+        max(heights),
+        frames,
         expected=(
             Expected("bones off", off, MOST_BONE_MM[kind], "mm"),
             Expected("parts without a bone", _without(made, bones), 0),
             Expected("frames missing", abs(frames - len(made.recording)), 1e-3),
             Expected("armatures", found["kinds"].count("ARMATURE"), 1),
         ),
-    )  # fmt: skip
+    )
 
 
 def _spelt(kind: str, name: str) -> str:

@@ -81,10 +81,19 @@ def _found(python: Path, kind: str, made: Written, size: tuple[int, int]) -> dic
             (Path(folder) / name).write_bytes(content)
         frames = [str(_there(kind, rate, frame)) for frame in FRAMES]
         said = subprocess.run(
-            [python, SCRIPT, Path(folder) / f"motion.{kind}", str(round(rate)),
-             *map(str, size), *frames],
-            cwd=folder, capture_output=True, text=True, timeout=SECONDS,
-        )  # fmt: skip
+            [
+                python,
+                SCRIPT,
+                Path(folder) / f"motion.{kind}",
+                str(round(rate)),
+                *map(str, size),
+                *frames,
+            ],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=SECONDS,
+        )
         return dict(json.loads(said.stdout.rpartition("RESULT ")[2]))
 
 

@@ -106,14 +106,19 @@ def _row(table: Table, name: str, found: Followed) -> None:
 
     rms = float(found.rms_mm.mean())
     table.row(
-        name, rms, float(found.rms_mm.max()), of("hip_flexion"), of("knee_angle"),
-        found.off_deg["pelvis_tilt"], of("elbow_flex"),
+        name,
+        rms,
+        float(found.rms_mm.max()),
+        of("hip_flexion"),
+        of("knee_angle"),
+        found.off_deg["pelvis_tilt"],
+        of("elbow_flex"),
         expected=[
             Expected("marker RMS", rms, MOST_RMS_MM, "mm"),
             Expected("hip flexion", of("hip_flexion"), MOST_HIP_DEG, "°"),
             Expected("knee flexion", of("knee_angle"), MOST_KNEE_DEG, "°"),
         ],
-    )  # fmt: skip
+    )
 
 
 def _model() -> Path:

@@ -47,12 +47,15 @@ def readers(report: Report) -> None:
             frames, first_s = _opened(module, packages, path)
             off_s = first_s - (recording.times_s[0] if FORMATS[name].timed else 0.0)
             table.row(
-                packages.split()[0], name, frames, first_s,
+                packages.split()[0],
+                name,
+                frames,
+                first_s,
                 expected=(
                     Expected("frames missing", abs(frames - len(recording)), 0),
                     Expected("seconds off", abs(off_s), 1e-4, "s"),
                 ),
-            )  # fmt: skip
+            )
 
 
 def _opened(module: str, packages: str, path: Path) -> tuple[int, float]:

@@ -44,10 +44,15 @@ def three_js(report: Report) -> None:
             )
             errors, warnings = found["errors"], found["warnings"]
             table.row(
-                name, len(made.rig), float(bones), float(soles), errors, warnings,
+                name,
+                len(made.rig),
+                float(bones),
+                float(soles),
+                errors,
+                warnings,
                 expected=(
                     Expected("bones off", float(bones), MOST_M, "m"),
                     Expected("skin off", float(soles), MOST_M, "m"),
                     Expected("errors and warnings", errors + warnings, 0),
                 ),
-            )  # fmt: skip
+            )

@@ -139,8 +139,15 @@ def _pieces(
         rows = slice(at, at + CHUNK)
         Rs = motion.Rs_parent_part[rows]
         Ts = part_transforms(skeleton, Rs, motion.ps_camera_root[rows])
-        yield rows, _Posed(dict(zip(skeleton.body.names, np.moveaxis(Ts, 1, 0), strict=True)),
-                           Rs, across[rows], along[rows])  # fmt: skip
+        yield (
+            rows,
+            _Posed(
+                dict(zip(skeleton.body.names, np.moveaxis(Ts, 1, 0), strict=True)),
+                Rs,
+                across[rows],
+                along[rows],
+            ),
+        )
 
 
 def _of_joint(skeleton: Skeleton, body: _Posed, joint: Joint, ground: Array) -> Array:

@@ -112,9 +112,12 @@ def _clavicle(side: str, arm: Part) -> Part:
         high_m=(round(high, 4), HALF_HEIGHT * size, HALF_DEPTH * size),
     )
     return Part(
-        name=f"{side}_clavicle", parent=arm.parent, joint_m=joint, shape=box,
+        name=f"{side}_clavicle",
+        parent=arm.parent,
+        joint_m=joint,
+        shape=box,
         limits_deg=_limits(side),
-    )  # fmt: skip
+    )
 
 
 def _limits(side: str) -> Limits:

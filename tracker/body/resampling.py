@@ -148,9 +148,7 @@ FARTHEST_RAD = 3.0
 half a turn has no direction."""
 
 
-def resampled(
-    Rs: Array, ps: Array, times_s: Array, wanted_s: Array
-) -> tuple[Array, Array]:  # fmt: skip
+def resampled(Rs: Array, ps: Array, times_s: Array, wanted_s: Array) -> tuple[Array, Array]:
     """Rotations (M, ..., 3, 3) and positions (M, 3) at `wanted_s` (M,), within the N times.
 
     Rs (N, ..., 3, 3), ps (N, 3), times_s (N,) ascending; N is at least two.

@@ -143,9 +143,15 @@ def _registered(wanted: Grey, shown: Grey, guess: Array) -> tuple[Array, NDArray
     found = np.ones(len(wanted), bool)
     for window, halvings in _STAGES:
         moved, status, _ = cv2.calcOpticalFlowPyrLK(
-            one, other, start, there.copy(), winSize=window, maxLevel=halvings,
-            criteria=_ENOUGH, flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
-        )  # fmt: skip
+            one,
+            other,
+            start,
+            there.copy(),
+            winSize=window,
+            maxLevel=halvings,
+            criteria=_ENOUGH,
+            flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+        )
         there = np.asarray(moved, np.float32)
         found &= np.asarray(status)[:, 0] > 0
     return np.asarray(there[:, 0] - down, float), found

@@ -24,10 +24,12 @@ def pulled(Ts: Array, frames: Sequence[int], wanted: Array) -> Array:
     before, after = after - 1, np.minimum(after, len(at) - 1)
     share = (every - at[before]) / np.maximum(at[after] - at[before], 1)
     share = np.clip(share, 0.0, 1.0)
-    R = np.stack([
-        rotation_between(turn[i], turn[j], [s])[0]
-        for i, j, s in zip(before, after, share, strict=True)
-    ])  # fmt: skip
+    R = np.stack(
+        [
+            rotation_between(turn[i], turn[j], [s])[0]
+            for i, j, s in zip(before, after, share, strict=True)
+        ]
+    )
     R = Rs @ R
     p = ps + (1 - share)[:, None] * shift[before] + share[:, None] * shift[after]
     out = transform(R, -(R @ p[..., None])[..., 0])

@@ -290,8 +290,11 @@ class PointFollower:
         height, width = self._now.shape
         strength = cv2.cornerMinEigenVal(self._now, 5)
         if open_ is not None:
-            large = cv2.resize(open_.astype(np.uint8), (4 * open_.shape[1], 4 * open_.shape[0]),
-                               interpolation=cv2.INTER_NEAREST)  # fmt: skip
+            large = cv2.resize(
+                open_.astype(np.uint8),
+                (4 * open_.shape[1], 4 * open_.shape[0]),
+                interpolation=cv2.INTER_NEAREST,
+            )
             strength = strength * large[:height, :width]
         strength[:BORDER_PX] = strength[-BORDER_PX:] = 0.0
         strength[:, :BORDER_PX] = strength[:, -BORDER_PX:] = 0.0

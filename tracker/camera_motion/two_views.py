@@ -104,11 +104,18 @@ def _adjusted(T: Array, depths: Array, one: Array, other: Array, noise: float) -
     """The two pictures and all points, adjusted."""
     count = len(one)
     bundle = Bundle(
-        Ts=np.stack([np.eye(4), T]), free=np.array([False, True]),
-        home=np.zeros(count, int), rays=one, depths=depths,
-        mean=np.ones(count), spread=np.full(count, 2.0),
-        view=np.ones(count, int), point=np.arange(count), xy=other, noise=noise,
-    )  # fmt: skip
+        Ts=np.stack([np.eye(4), T]),
+        free=np.array([False, True]),
+        home=np.zeros(count, int),
+        rays=one,
+        depths=depths,
+        mean=np.ones(count),
+        spread=np.full(count, 2.0),
+        view=np.ones(count, int),
+        point=np.arange(count),
+        xy=other,
+        noise=noise,
+    )
     bundle, spread = adjusted(bundle, steps=15)
     agree = (away(bundle) < INLIER) & (bundle.depths > 0)
     if agree.mean() < LEAST_AGREE or agree.sum() < FEWEST:

@@ -173,11 +173,18 @@ class ViewMap:
         row = np.zeros(len(self.views), np.int64)
         row[views] = np.arange(len(views))
         bundle = Bundle(
-            Ts=np.stack([self.views[v].T for v in views]), free=views >= first_free,
-            home=row[self.home[points]], rays=self.rays[points], depths=self.depths[points],
-            mean=self.mean[points], spread=SPREAD * self.mean[points],
-            view=row[view], point=point, xy=xy, noise=self.noise,
-        )  # fmt: skip
+            Ts=np.stack([self.views[v].T for v in views]),
+            free=views >= first_free,
+            home=row[self.home[points]],
+            rays=self.rays[points],
+            depths=self.depths[points],
+            mean=self.mean[points],
+            spread=SPREAD * self.mean[points],
+            view=row[view],
+            point=point,
+            xy=xy,
+            noise=self.noise,
+        )
         return bundle, points, views
 
 

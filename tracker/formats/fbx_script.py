@@ -78,7 +78,11 @@ def fbx_script(recording: Recording) -> str:
     fps = max(1, round(rate))  # of Blender a whole number
     first, last = (round(float(recording.times_s[row]) * rate) for row in (0, -1))
     return _SCRIPT.format(
-        fps=fps, base=round(fps / rate, 9), first=first, last=last,
-        width=camera.width, height=camera.height,
+        fps=fps,
+        base=round(fps / rate, 9),
+        first=first,
+        last=last,
+        width=camera.width,
+        height=camera.height,
         aspect=round(camera.width * camera.fy / (camera.height * camera.fx), 9),
-    )  # fmt: skip
+    )

@@ -224,8 +224,10 @@ def _facts(recording: Recording) -> dict[str, Any]:
     """What the animation says of itself."""
     film = recording.film_frames[[0, -1]].round(4).tolist()
     facts: dict[str, Any] = {
-        "first_frame": recording.frames[0], "frame_count": len(recording), "film_frames": film
-    }  # fmt: skip
+        "first_frame": recording.frames[0],
+        "frame_count": len(recording),
+        "film_frames": film,
+    }
     if recording.is_even and recording.rate is not None:
         facts["frames_per_second"] = round(recording.rate, 9)
     if recording.timecode is not None:

@@ -24,8 +24,11 @@ ALIGNMENT = 4
 
 _COMPONENTS = {np.dtype("<f4"): 5126, np.dtype("<u2"): 5123, np.dtype("<u4"): 5125}
 _TARGETS: dict[Purpose, int | None] = {
-    "vertices": 34962, "indices": 34963, "animation": None, "skin": None,
-}  # fmt: skip
+    "vertices": 34962,
+    "indices": 34963,
+    "animation": None,
+    "skin": None,
+}
 
 
 class Numbers:

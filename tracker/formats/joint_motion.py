@@ -65,10 +65,17 @@ class JointMotion:
 
     @classmethod
     def of(
-        cls, file: str, names: list[str], positions: Array, times_s: Array,
-        world: World | None, unit: Unit | None, assumed: Unit = "m",
-        rest_m: Array | None = None, notes: tuple[Note, ...] = (),
-    ) -> JointMotion:  # fmt: skip
+        cls,
+        file: str,
+        names: list[str],
+        positions: Array,
+        times_s: Array,
+        world: World | None,
+        unit: Unit | None,
+        assumed: Unit = "m",
+        rest_m: Array | None = None,
+        notes: tuple[Note, ...] = (),
+    ) -> JointMotion:
         """The motion of a file whose positions (N, J, 3) are in `unit`, or else in `assumed`.
 
         FormatError where the parts do not make a motion.

@@ -136,9 +136,13 @@ def _pickled(file: str, _content: bytes, _individual: str | None) -> People:
 
 
 KEYPOINT_READERS: Final[Mapping[str, Callable[[str, bytes, str | None], People]]] = {
-    ".csv": _table, ".h5": _hdf5, ".hdf5": _hdf5, ".slp": _sleap_project,
-    ".pickle": _pickled, ".pkl": _pickled,
-}  # fmt: skip
+    ".csv": _table,
+    ".h5": _hdf5,
+    ".hdf5": _hdf5,
+    ".slp": _sleap_project,
+    ".pickle": _pickled,
+    ".pkl": _pickled,
+}
 
 
 # --- a file for each frame

@@ -91,11 +91,15 @@ def _add_events(file: Any, recording: Recording) -> None:
     frames, labels, icons, sides = (list(column) for column in zip(*found, strict=True))
     seconds = np.array(frames) / recording.frames_per_second
     for name, values in (
-        ("USED", [len(found)]), ("CONTEXTS", sides), ("LABELS", labels), ("ICON_IDS", icons),
-        ("DESCRIPTIONS", [""] * len(found)), ("SUBJECTS", [""] * len(found)),
+        ("USED", [len(found)]),
+        ("CONTEXTS", sides),
+        ("LABELS", labels),
+        ("ICON_IDS", icons),
+        ("DESCRIPTIONS", [""] * len(found)),
+        ("SUBJECTS", [""] * len(found)),
         ("TIMES", np.stack([seconds // 60, seconds % 60])),
         ("GENERIC_FLAGS", [0] * len(found)),
-    ):  # fmt: skip
+    ):
         file.add_parameter("EVENT", name, values)
 
 

@@ -34,8 +34,11 @@ MOST_CHANNELS = 12
 SHORTEST = 1e-6
 """Length of an End Site, in the file's unit, that says where it is."""
 
-_CHANNELS = {f"{axis}{kind}": ("xyz".index(axis), kind) for axis in "xyz" for kind in
-             ("position", "rotation")}  # fmt: skip
+_CHANNELS = {
+    f"{axis}{kind}": ("xyz".index(axis), kind)
+    for axis in "xyz"
+    for kind in ("position", "rotation")
+}
 _TOKEN = re.compile(r"(?i)(?<!\S)(ROOT|JOINT|END)\s+([^\n{]*)|[{}]|[^\s{}]+")
 _MOTION = re.compile(r"(?i)(?<![^\s}])MOTION\s+FRAMES\s*:\s*(\S+)\s+FRAME\s+TIME\s*:\s*(\S+)[^\n]*")
 

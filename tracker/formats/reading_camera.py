@@ -35,8 +35,13 @@ from keypose.tracker.formats.cameras.reconstructions import (
 from keypose.tracker.surface.files.parsing.raw import MeshRefused
 
 __all__ = [
-    "CAMERA_READERS", "STILL_M", "CameraFile", "CameraReading", "CameraWay", "load_camera",
-]  # fmt: skip
+    "CAMERA_READERS",
+    "STILL_M",
+    "CameraFile",
+    "CameraReading",
+    "CameraWay",
+    "load_camera",
+]
 
 LARGEST_BYTES: Final = 96 * 2**20
 EXPECTED: Final = (

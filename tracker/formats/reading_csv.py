@@ -23,8 +23,16 @@ from keypose.tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit,
 from keypose.tracker.formats.text import decoded
 
 _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
-_TIMES = {"times": 1.0, "time": 1.0, "t": 1.0, "timesec": 1.0, "timeseconds": 1.0, "seconds": 1.0,
-          "timems": 1e-3, "tms": 1e-3}  # fmt: skip
+_TIMES = {
+    "times": 1.0,
+    "time": 1.0,
+    "t": 1.0,
+    "timesec": 1.0,
+    "timeseconds": 1.0,
+    "seconds": 1.0,
+    "timems": 1e-3,
+    "tms": 1e-3,
+}
 """Seconds in a column's unit by its name's letters: `time_s`, `Time [s]`, `time (ms)`."""
 _FRAMES = ("fnum", "frame", "framenumber")
 

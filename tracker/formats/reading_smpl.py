@@ -96,9 +96,12 @@ def _archive_numbers(
 Arrays = Mapping[str, NDArray[Any]]
 
 WORLDS: Final[dict[str, World | None]] = {
-    "smpl_params_incam": "camera", "body_params_incam": "camera",
-    "smpl_params_global": "y up", "body_params_global": "y up", "": None,
-}  # fmt: skip
+    "smpl_params_incam": "camera",
+    "body_params_incam": "camera",
+    "smpl_params_global": "y up",
+    "body_params_global": "y up",
+    "": None,
+}
 """By the name that parameters are under, the first one present being read."""
 FIELDS: Final = ("global_orient", "body_pose", "transl")
 WHAM: Final = ("pose", "trans")

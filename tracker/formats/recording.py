@@ -112,9 +112,13 @@ class Recording:
 
     @classmethod
     def of(
-        cls, session: Session, tracks: Tracks, segments: Sequence[RecordedSegment], times_s: Array,
+        cls,
+        session: Session,
+        tracks: Tracks,
+        segments: Sequence[RecordedSegment],
+        times_s: Array,
         timecode: Timecode | None = None,
-    ) -> Recording:  # fmt: skip
+    ) -> Recording:
         """The motion of a session from its first keyframe to its last, or as far as it reaches.
 
         times_s are those of all the video's frames, from frame 0. A segment whose frames have no

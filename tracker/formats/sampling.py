@@ -52,9 +52,13 @@ def at_rate(recording: Recording, rate: float) -> Recording:
         first, recording.tracks.part_names, Rs, ps, _diagnostics_at(recording.tracks, row)
     )
     return replace(
-        recording, tracks=tracks, times_s=frozen(np.arange(first, last + 1) / rate), rate=rate,
-        sampled_at=frozen(film), repeats=None,
-    )  # fmt: skip
+        recording,
+        tracks=tracks,
+        times_s=frozen(np.arange(first, last + 1) / rate),
+        rate=rate,
+        sampled_at=frozen(film),
+        repeats=None,
+    )
 
 
 def from_zero(recording: Recording) -> Recording:
@@ -106,8 +110,9 @@ def moved_at_keyframes(recording: Recording, before: Recording) -> tuple[float, 
     Rs, given = recording.tracks.Rs_parent_part[at], even.tracks.Rs_parent_part[at]
     turns = log_rotation(transpose(given) @ Rs)
     return (
-        float(np.linalg.norm(joints, axis=-1).max()), float(np.linalg.norm(turns, axis=-1).max())
-    )  # fmt: skip
+        float(np.linalg.norm(joints, axis=-1).max()),
+        float(np.linalg.norm(turns, axis=-1).max()),
+    )
 
 
 def _require_times(recording: Recording) -> None:

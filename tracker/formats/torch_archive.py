@@ -22,10 +22,16 @@ MOST_BYTES: Final = 256 * 2**20
 DEEPEST: Final = 8
 _PUTS: Final = ("PUT", "BINPUT", "LONG_BINPUT")
 _STORAGES: Final = {
-    "DoubleStorage": "<f8", "FloatStorage": "<f4", "HalfStorage": "<f2", "LongStorage": "<i8",
-    "IntStorage": "<i4", "ShortStorage": "<i2", "CharStorage": "i1", "ByteStorage": "u1",
+    "DoubleStorage": "<f8",
+    "FloatStorage": "<f4",
+    "HalfStorage": "<f2",
+    "LongStorage": "<i8",
+    "IntStorage": "<i4",
+    "ShortStorage": "<i2",
+    "CharStorage": "i1",
+    "ByteStorage": "u1",
     "BoolStorage": "?",
-}  # fmt: skip
+}
 
 
 def torch_arrays(content: bytes) -> dict[str, NDArray[Any]]:
@@ -93,9 +99,13 @@ class _Tensors(pickle.Unpickler):
         return np.frombuffer(self._archive.read(f"{self._folder}data/{key}"), dtype)
 
     def _tensor(
-        self, storage: NDArray[Any], offset: int, size: tuple[int, ...], stride: tuple[int, ...],
+        self,
+        storage: NDArray[Any],
+        offset: int,
+        size: tuple[int, ...],
+        stride: tuple[int, ...],
         *_: Any,
-    ) -> NDArray[Any]:  # fmt: skip
+    ) -> NDArray[Any]:
         whole = (offset, *size, *stride)
         if not all(type(n) is int and 0 <= n < 2**40 for n in whole) or len(size) != len(stride):
             raise ValueError("it holds a tensor of no shape")

@@ -110,9 +110,13 @@ def _identifiers(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _put_body(
-    stage: Any, path: str, recording: Recording, rig: Rig, T_world_camera: Array,
+    stage: Any,
+    path: str,
+    recording: Recording,
+    rig: Rig,
+    T_world_camera: Array,
     painted: tuple[Sequence[str], Mapping[str, tuple[int, int, int]]],
-) -> None:  # fmt: skip
+) -> None:
     root = UsdSkel.Root.Define(stage, path)
     joints = Vt.TokenArray(_joint_paths(rig))
     skeleton = UsdSkel.Skeleton.Define(stage, f"{path}/Skeleton")
@@ -151,9 +155,12 @@ def _put_curves(motion: Any, recording: Recording, rig: Rig, T_world_camera: Arr
 
 
 def _put_skin(
-    stage: Any, path: str, recording: Recording, rig: Rig,
+    stage: Any,
+    path: str,
+    recording: Recording,
+    rig: Rig,
     painted: tuple[Sequence[str], Mapping[str, tuple[int, int, int]]],
-) -> Any:  # fmt: skip
+) -> Any:
     """The mesh, with a subset of its faces for every colour."""
     body, (sides, colours) = recording.skeleton.body, painted
     order = sorted(range(len(sides)), key=lambda i: sides[i])

@@ -129,9 +129,7 @@ def root_path(R, t, R_next, t_next, t_end, shares, path):
 
 
 @compiled
-def close_segment(
-    R, t, R_next, t_next, turned, shifted, R_end, t_end, R_out, t_out, rounds, gaps
-):  # fmt: skip
+def close_segment(R, t, R_next, t_next, turned, shifted, R_end, t_end, R_out, t_out, rounds, gaps):
     """Accumulate a pass's motions from the first keyframe and correct their drift.
 
     turned (n, P), shifted (n,): shares of the correction that every step takes, of mean 1.

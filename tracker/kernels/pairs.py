@@ -39,9 +39,15 @@ CAP = 15.0
 def scaled_lens(lens, scale):
     """The lens of a pyramid level: pixel centres stay at integers."""
     return Lens(
-        lens.fx * scale, lens.fy * scale, lens.cx * scale, lens.cy * scale,
-        lens.perspective, lens.distance, int(lens.left * scale), int(lens.top * scale),
-    )  # fmt: skip
+        lens.fx * scale,
+        lens.fy * scale,
+        lens.cx * scale,
+        lens.cy * scale,
+        lens.perspective,
+        lens.distance,
+        int(lens.left * scale),
+        int(lens.top * scale),
+    )
 
 
 @compiled
@@ -59,9 +65,7 @@ def shortened(step, longest):
 
 
 @compiled
-def linearise(
-    body, chosen, grey, starts, R, t, picture, lens, loss, width, N, histogram, A, b
-):  # fmt: skip
+def linearise(body, chosen, grey, starts, R, t, picture, lens, loss, width, N, histogram, A, b):
     """A (D, D) ← AᵀWA and b (D,) ← AᵀWr of the followed points at the target pose R, t.
 
     N (P, 7, 7) ← the sums of every part and what hangs below it; histogram of |r|. The number of
@@ -73,9 +77,24 @@ def linearise(
     place_parts(body, R, t, HR, Ho)
     centre = Ho[0].copy()
     points = sum_points(
-        body, chosen, grey, starts, HR, Ho, centre, picture, lens, unseen, False, loss, width,
-        False, N, histogram, rows,
-    )  # fmt: skip
+        body,
+        chosen,
+        grey,
+        starts,
+        HR,
+        Ho,
+        centre,
+        picture,
+        lens,
+        unseen,
+        False,
+        loss,
+        width,
+        False,
+        N,
+        histogram,
+        rows,
+    )
     for i in range(parts):
         for a in range(3):
             Ho[i, a] -= centre[a]
@@ -112,9 +131,7 @@ def doubts(body, precision, L, turned):
 
 
 @compiled
-def solve_pair(
-    body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop, A
-):  # fmt: skip
+def solve_pair(body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop, A):
     """Move R, t (the target's pose, started at the prediction) to where the picture shows it.
 
     x (D,) is how far the motion has left the prediction, kept over pyramid levels. A (D, D) ← the
@@ -177,9 +194,22 @@ def charged(score, shown, least, cap):
 
 @compiled
 def follow_pairs(
-    body, lens, visibility, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next, turned,
+    body,
+    lens,
+    visibility,
+    prior,
+    pictures,
+    slots,
+    R,
+    t,
+    of,
+    inner,
+    stop,
+    R_next,
+    t_next,
+    turned,
     shifted,
-):  # fmt: skip
+):
     """One pass: from every pose of a segment, the motion to the next frame (DRIFT §2.3).
 
     R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) is where each
@@ -201,9 +231,20 @@ def follow_pairs(
         put_pose(R[j + 1], t[j + 1], R_next[j], t_next[j])
         x[:] = 0.0
         own = solve_pair(
-            body, chosen, grey, starts, R_next[j], t_next[j], x, pictures[slots[j + 1]], lens,
-            prior, inner, stop, A,
-        )  # fmt: skip
+            body,
+            chosen,
+            grey,
+            starts,
+            R_next[j],
+            t_next[j],
+            x,
+            pictures[slots[j + 1]],
+            lens,
+            prior,
+            inner,
+            stop,
+            A,
+        )
         shifted[j] = doubts(body, prior.precision, A, turned[j])
         score += charged(own, shown, least, CAP)
     return score / R_next.shape[0]
@@ -227,7 +268,7 @@ def predict_by_velocity(R, t, j):
 @compiled
 def follow_chain(
     body, lens, visibility, prior, levels, finest, slots, R, t, of, inner, stop, turned, shifted
-):  # fmt: skip
+):
     """Follow the body frame by frame from R[0], t[0], coarse to fine, by constant velocity.
 
     levels: pictures of the pyramid, finest first, (…, h, w, 4), used down to `finest`; slots
@@ -253,9 +294,20 @@ def follow_chain(
                 body, uvz, seen, pictures[slots[j]], here, scale, kept, every, chosen, grey, starts
             )
             solve_pair(
-                body, chosen, grey, starts, R[j + 1], t[j + 1], x, pictures[slots[j + 1]],
-                here, prior, inner, stop, A,
-            )  # fmt: skip
+                body,
+                chosen,
+                grey,
+                starts,
+                R[j + 1],
+                t[j + 1],
+                x,
+                pictures[slots[j + 1]],
+                here,
+                prior,
+                inner,
+                stop,
+                A,
+            )
         shifted[j] = doubts(body, prior.precision, A, turned[j])
 
 
@@ -285,9 +337,7 @@ def mean_capped_square(body, lens, visibility, pictures, slots, R, t, of, cap):
 
 
 @compiled
-def observe_pairs(
-    body, lens, visibility, pictures, slots, R, t, A, residual, shown, sigma
-):  # fmt: skip
+def observe_pairs(body, lens, visibility, pictures, slots, R, t, A, residual, shown, sigma):
     """Observe what every frame pair of a trajectory shows of its motion.
 
     A (n, D, D) ← AᵀWA at the trajectory itself, of all seen points; residual (n, P) ← root mean
@@ -306,9 +356,21 @@ def observe_pairs(
         see(body, HR, Ho, lens, visibility, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], lens, 1.0, 1, 1, chosen, grey, starts)
         points = linearise(
-            body, chosen, grey, starts, R[j + 1], t[j + 1], pictures[slots[j + 1]], lens,
-            HUBER, FIRST_WIDTH, N, histogram, A[j], b,
-        )  # fmt: skip
+            body,
+            chosen,
+            grey,
+            starts,
+            R[j + 1],
+            t[j + 1],
+            pictures[slots[j + 1]],
+            lens,
+            HUBER,
+            FIRST_WIDTH,
+            N,
+            histogram,
+            A[j],
+            b,
+        )
         sigma[j] = robust_sigma(histogram, points)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
         count_inside(body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, landed)

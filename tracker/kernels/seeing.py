@@ -107,12 +107,16 @@ def room(body, visibility, width, height):
     parts, size = body.parents.shape[0], body.points.shape[0]
     cells = (height // visibility.cell + 2, width // visibility.cell + 2)
     return (
-        np.empty((parts, 3, 3)), np.empty((parts, 3)),
-        np.empty((size, 3), np.float32), np.zeros(size, np.uint8),
-        np.empty(cells, np.float32), np.empty(cells, np.int16),
-        np.empty(size + 1, np.int32), np.empty(size + 1, np.float32),
+        np.empty((parts, 3, 3)),
+        np.empty((parts, 3)),
+        np.empty((size, 3), np.float32),
+        np.zeros(size, np.uint8),
+        np.empty(cells, np.float32),
+        np.empty(cells, np.int16),
+        np.empty(size + 1, np.int32),
+        np.empty(size + 1, np.float32),
         np.empty(parts + 1, np.int64),
-    )  # fmt: skip
+    )
 
 
 @compiled

@@ -66,21 +66,29 @@ def gather(body, chosen, grey, begin, last, R, o, picture, lens, seen, need_seen
         k11 = k01 + np.uint64(1)
         k = np.uint64(count)
         e = (
-            f4(pixels[k00, X]) * w00 + f4(pixels[k10, X]) * w10
-            + f4(pixels[k01, X]) * w01 + f4(pixels[k11, X]) * w11
-        )  # fmt: skip
+            f4(pixels[k00, X]) * w00
+            + f4(pixels[k10, X]) * w10
+            + f4(pixels[k01, X]) * w01
+            + f4(pixels[k11, X]) * w11
+        )
         eu = (
-            f4(pixels[k00, Y]) * w00 + f4(pixels[k10, Y]) * w10
-            + f4(pixels[k01, Y]) * w01 + f4(pixels[k11, Y]) * w11
-        )  # fmt: skip
+            f4(pixels[k00, Y]) * w00
+            + f4(pixels[k10, Y]) * w10
+            + f4(pixels[k01, Y]) * w01
+            + f4(pixels[k11, Y]) * w11
+        )
         ev = (
-            f4(pixels[k00, Z]) * w00 + f4(pixels[k10, Z]) * w10
-            + f4(pixels[k01, Z]) * w01 + f4(pixels[k11, Z]) * w11
-        )  # fmt: skip
+            f4(pixels[k00, Z]) * w00
+            + f4(pixels[k10, Z]) * w10
+            + f4(pixels[k01, Z]) * w01
+            + f4(pixels[k11, Z]) * w11
+        )
         use = (
-            f4(pixels[k00, USE]) * w00 + f4(pixels[k10, USE]) * w10
-            + f4(pixels[k01, USE]) * w01 + f4(pixels[k11, USE]) * w11
-        )  # fmt: skip
+            f4(pixels[k00, USE]) * w00
+            + f4(pixels[k10, USE]) * w10
+            + f4(pixels[k01, USE]) * w01
+            + f4(pixels[k11, USE]) * w11
+        )
         e, eu, ev, use = e * GREY, eu * GREY, ev * GREY, use * GREY
         taps[k, X], taps[k, Y], taps[k, Z], taps[k, USE] = e, eu, ev, use
         if use < f4(0.3):
@@ -228,9 +236,24 @@ def without_gain(total):
 
 @compiled
 def sum_points(
-    body, chosen, grey, starts, HR, Ho, centre, picture, lens, seen, need_seen, loss, scale, gain,
-    N, histogram, rows,
-):  # fmt: skip
+    body,
+    chosen,
+    grey,
+    starts,
+    HR,
+    Ho,
+    centre,
+    picture,
+    lens,
+    seen,
+    need_seen,
+    loss,
+    scale,
+    gain,
+    N,
+    histogram,
+    rows,
+):
     """N (P, 7, 7) ← Σ w [row, r]ᵀ[row, r] of every part; histogram of |r|; the number of points.
 
     Rows 0–5 are [g, (p − c) × g], 6 the residual r, 7 the source's brightness and 8 a one, for gain
@@ -284,9 +307,7 @@ def count_inside(body, chosen, grey, starts, HR, Ho, picture, lens, landed):
 
 
 @compiled
-def sum_residuals(
-    body, chosen, grey, starts, HR, Ho, picture, lens, histogram, rows
-):  # fmt: skip
+def sum_residuals(body, chosen, grey, starts, HR, Ho, picture, lens, histogram, rows):
     """histogram of |r| of the followed points at a target pose; their number."""
     taps, unseen = np.empty((BLOCK, 4), np.float32), np.empty(0, np.uint8)
     histogram[:] = 0

@@ -32,8 +32,21 @@ def see_all(body, lens, visibility, width, height, R, t, seen):
 
 @compiled
 def compare_textures(
-    body, lens, pictures, slots, R, t, chosen, grey, starts, seen, information, sigma, A, b,
-):  # fmt: skip
+    body,
+    lens,
+    pictures,
+    slots,
+    R,
+    t,
+    chosen,
+    grey,
+    starts,
+    seen,
+    information,
+    sigma,
+    A,
+    b,
+):
     """Fill A (n, D, D) and b (n, D) of the n inner poses R, t.
 
     slots (n,): where their pictures are.
@@ -53,9 +66,24 @@ def compare_textures(
         for end in range(2):
             share = (j + 1) / (n + 1) if end == 1 else 1 - (j + 1) / (n + 1)
             points = sum_points(
-                body, chosen[end], grey[end], starts[end], HR, Ho, centre, pictures[slots[j]],
-                lens, seen[j], True, TUKEY, TUKEY_WIDTH * sigma[end, j], True, N, histogram, rows,
-            )  # fmt: skip
+                body,
+                chosen[end],
+                grey[end],
+                starts[end],
+                HR,
+                Ho,
+                centre,
+                pictures[slots[j]],
+                lens,
+                seen[j],
+                True,
+                TUKEY,
+                TUKEY_WIDTH * sigma[end, j],
+                True,
+                N,
+                histogram,
+                rows,
+            )
             sigma[end, j] = robust_sigma(histogram, points)
             both += N * (share * information / sigma[end, j] ** 2)
         for i in range(parts):

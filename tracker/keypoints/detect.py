@@ -410,8 +410,12 @@ class _DetectionRun:
             return rows.stretch()
 
         key: tuple[object, ...] = (
-            "piece", frames[0], frames.step, astuple(region.rounded(LOOK_PARTS)), lost_for
-        )  # fmt: skip
+            "piece",
+            frames[0],
+            frames.step,
+            astuple(region.rounded(LOOK_PARTS)),
+            lost_for,
+        )
         if self.every_second:  # a longer piece may skip the frame at which this one ends
             key += ("every second", frames[-1] if _is_between(frames[-1]) else None)
         return self._kept(key, len(frames), look)

@@ -129,9 +129,12 @@ class Keypoints:
             for values in (self.p_hips, self.depth_sigma_m)
         )
         return replace(
-            self, uv=other(self.uv), visibility=other(self.visibility), p_hips=depth,
+            self,
+            uv=other(self.uv),
+            visibility=other(self.visibility),
+            p_hips=depth,
             depth_sigma_m=sigma,
-        )  # fmt: skip
+        )
 
     def corrected(self, corrections: Sequence[KeypointCorrection]) -> Keypoints:
         """Apply what a person said of some of them: seen there for sure, or not at all. Depth is

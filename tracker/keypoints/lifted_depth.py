@@ -20,8 +20,13 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.lifting import OFFSETS_S, lifted, turns
 from keypose.tracker.keypoints.on_body import points_on_body
 
-_CARRIER: Final = {"heel": "ankle", "foot_index": "ankle", "pinky": "wrist", "index": "wrist",
-                   "thumb": "wrist"}  # fmt: skip
+_CARRIER: Final = {
+    "heel": "ankle",
+    "foot_index": "ankle",
+    "pinky": "wrist",
+    "index": "wrist",
+    "thumb": "wrist",
+}
 """By keypoint the joint beside which it stays; all others stay beside the shoulders."""
 
 _LIFTING = Lock()

@@ -73,8 +73,9 @@ class PairedNetwork:
         self._at, self._from = _places(known, joints.names)
         ends = {
             f"{side}_{end}": f"{side}_{its}"
-            for side in ("left", "right") for end, its in ENDS.items()
-        }  # fmt: skip
+            for side in ("left", "right")
+            for end, its in ENDS.items()
+        }
         self._ends_at, self._ends_from = _places(ends, joints.names)
         self._down = down_trunk(list(known))
 

@@ -46,9 +46,12 @@ class PersonMask:
         ends = np.array([region.x, region.y]) + np.outer([0.0, 0.5 * region.side], up)
         (x, y), top = steady.pixels(ends, frame)
         way = top - (x, y)
-        return replace(self, region=Region(
-            float(x), float(y), 2 * float(np.hypot(*way)), float(np.arctan2(way[0], -way[1]))
-        ))  # fmt: skip
+        return replace(
+            self,
+            region=Region(
+                float(x), float(y), 2 * float(np.hypot(*way)), float(np.arctan2(way[0], -way[1]))
+            ),
+        )
 
     def levels(self) -> NDArray[np.uint8]:
         """(256, 256) from 0 to `FULL_LEVEL`; ValueError where what is packed is none."""

@@ -21,10 +21,16 @@ LEAST_LIMBS: Final = 10
 """Limbs seen in all frames together that are enough to judge by."""
 
 _LIMBS: Final = (
-    ("nose", "{}_eye"), ("{}_eye", "{}_ear"), ("{}_shoulder", "{}_elbow"),
-    ("{}_elbow", "{}_wrist"), ("{}_shoulder", "{}_hip"), ("{}_hip", "{}_knee"),
-    ("{}_knee", "{}_ankle"), ("{}_ankle", "{}_heel"), ("{}_ankle", "{}_big_toe"),
-)  # fmt: skip
+    ("nose", "{}_eye"),
+    ("{}_eye", "{}_ear"),
+    ("{}_shoulder", "{}_elbow"),
+    ("{}_elbow", "{}_wrist"),
+    ("{}_shoulder", "{}_hip"),
+    ("{}_hip", "{}_knee"),
+    ("{}_knee", "{}_ankle"),
+    ("{}_ankle", "{}_heel"),
+    ("{}_ankle", "{}_big_toe"),
+)
 """One side's."""
 
 

@@ -68,9 +68,15 @@ class Comparison:
     def _work(self, give_up: bool = True) -> IntervalWork:
         P = self.skeleton.part_count
         return IntervalWork(
-            np.empty((P, 3)), np.empty((P, 3, 3)), np.empty((P, 3)), np.empty((2, 3, 3)),
-            np.empty(3), np.empty(P, np.int64), np.array([-1, 0]), np.array([give_up]),
-        )  # fmt: skip
+            np.empty((P, 3)),
+            np.empty((P, 3, 3)),
+            np.empty((P, 3)),
+            np.empty((2, 3, 3)),
+            np.empty(3),
+            np.empty(P, np.int64),
+            np.array([-1, 0]),
+            np.array([give_up]),
+        )
 
     @cached_property
     def _arrays(self) -> tuple[DenseMotion, ComparedBody, Limits, Lens]:
@@ -83,9 +89,13 @@ class Comparison:
         points = (T[..., :3, :3] @ body.points[..., None])[..., 0] + T[..., :3, 3]
         camera = self.camera
         lens = Lens(
-            camera.fx, camera.fy, camera.cx, camera.cy,
-            int(camera.projection == "perspective"), camera.telephoto_distance_m or 1.0,
-        )  # fmt: skip
+            camera.fx,
+            camera.fy,
+            camera.cx,
+            camera.cy,
+            int(camera.projection == "perspective"),
+            camera.telephoto_distance_m or 1.0,
+        )
         return (
             DenseMotion(
                 Rs,

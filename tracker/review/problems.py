@@ -246,9 +246,7 @@ def _by_verdict(
         name = None if hidden is None else known.name(hidden[0])
         if hidden is not None and name is not None:
             cause, part, frames = "not_seen", name, hidden[1]
-    found = Problem(
-        track.span, verdict.kind, cause, frame, frames, part, remedy, text=verdict.text
-    )  # fmt: skip
+    found = Problem(track.span, verdict.kind, cause, frame, frames, part, remedy, text=verdict.text)
     if remedy == "keyframe":
         return found
     return _sized(known, track, _occlusion(known, track, found) if cause == "not_seen" else found)

@@ -145,41 +145,52 @@ class CameraMotion(Plain):
 
     kind: Literal["turns", "moves"]
     source: str = Field(
-        default="", exclude_if=operator.not_,
+        default="",
+        exclude_if=operator.not_,
         description="Name of the file it was imported from; left out where it was found in the "
         "film.",
-    )  # fmt: skip
+    )
     samples: Packed = Field(
         description="Of every frame eight numbers: the world's rotation in the camera frame as a "
         "quaternion w, x, y, z, its origin there, metres, and the focal length as a multiple of "
         "the camera's; base64 of little-endian doubles."
     )
     pieces: tuple[CameraPiece, ...] = Field(
-        default=WHOLE, exclude_if=lambda pieces: tuple(pieces) == WHOLE,
+        default=WHOLE,
+        exclude_if=lambda pieces: tuple(pieces) == WHOLE,
         description="What hangs together, in order, from frame 0 on; left out where all of it "
         "does, in metres.",
-    )  # fmt: skip
+    )
     error_px: Packed = Field(
-        default="", exclude_if=operator.not_,
+        default="",
+        exclude_if=operator.not_,
         description="Of every frame how far points of the background usually lie off, pixels; "
         "negative where nothing of the camera is known. Base64 as the samples.",
-    )  # fmt: skip
+    )
     findings: tuple[CameraFinding, ...] = Field(default=(), exclude_if=operator.not_)
 
     @classmethod
     def of(
-        cls, kind: Literal["turns", "moves"], path: CameraPath, error_px: Array | None = None,
-        findings: tuple[CameraFinding, ...] = (), source: str = "",
+        cls,
+        kind: Literal["turns", "moves"],
+        path: CameraPath,
+        error_px: Array | None = None,
+        findings: tuple[CameraFinding, ...] = (),
+        source: str = "",
         pieces: tuple[CameraPiece, ...] = WHOLE,
-    ) -> Self:  # fmt: skip
+    ) -> Self:
         """The motion along a path.  error_px: (N,), NaN where nothing is known."""
         T = path.Ts_camera_world
         rows = np.column_stack([quaternion_wxyz(T[:, :3, :3]), T[:, :3, 3], path.zoom])
         error = np.zeros(0) if error_px is None else np.nan_to_num(error_px, nan=-1.0)
         return cls(
-            kind=kind, source=source, samples=packed(rows.ravel()),
-            error_px=packed(error) if len(error) else "", findings=findings, pieces=pieces,
-        )  # fmt: skip
+            kind=kind,
+            source=source,
+            samples=packed(rows.ravel()),
+            error_px=packed(error) if len(error) else "",
+            findings=findings,
+            pieces=pieces,
+        )
 
     @property
     def frame_count(self) -> int:
@@ -222,11 +233,14 @@ class CameraMotion(Plain):
         places = self.in_its_units.Ts_world_camera[:, :3, 3]
         return tuple(
             CameraWay(
-                first, last, piece.metres, piece.sigma,
+                first,
+                last,
+                piece.metres,
+                piece.sigma,
                 float(np.linalg.norm(places[first : last + 1] - places[first], axis=1).max()),
             )
             for piece, (first, last) in zip(self.pieces, self.spans, strict=True)
-        )  # fmt: skip
+        )
 
     def with_way(self, first_frame: int, farthest_m: float) -> Self:
         """The motion whose piece that begins at a frame goes so far from there, as somebody knows;
@@ -304,7 +318,7 @@ class CameraKeyframe(Plain):
         a, b, c = (float(v) for v in T_camera_world[:3, 3])
         return cls(
             frame=frame, R_camera_world_wxyz=(w, x, y, z), p_camera_world=(a, b, c), zoom=zoom
-        )  # fmt: skip
+        )
 
     @property
     def correction(self) -> CameraCorrection:

@@ -89,8 +89,9 @@ def _check(match: re.Match[str], names: Sequence[str]) -> Verdict | None:
     for ending, cause in _REASONS_OF_PARTS.items():
         if reason.endswith(ending):
             return Verdict.check(cause, frames, _part(reason.removesuffix(ending), names))
-    return Verdict(kind="check", cause="other", frames=frames, go=sum(frames, 1) // 2,
-                   text=match[0])  # fmt: skip
+    return Verdict(
+        kind="check", cause="other", frames=frames, go=sum(frames, 1) // 2, text=match[0]
+    )
 
 
 def _part(words: str, names: Sequence[str]) -> str:
@@ -122,13 +123,26 @@ def _part_names(data: Mapping[str, Any]) -> list[str]:
 
 
 _OF_VIEW: Final = (
-    "video", "camera", "lens_source", "ignore_masks", "keypoints", "keypoint_corrections",
+    "video",
+    "camera",
+    "lens_source",
+    "ignore_masks",
+    "keypoints",
+    "keypoint_corrections",
     "surface",
-)  # fmt: skip
+)
 _OF_BODY: Final = (
-    "body", "keyframes", "part_keyframes", "drafts", "pins", "first_motion", "drafted",
-    "reviewed", "ahead", "results",
-)  # fmt: skip
+    "body",
+    "keyframes",
+    "part_keyframes",
+    "drafts",
+    "pins",
+    "first_motion",
+    "drafted",
+    "reviewed",
+    "ahead",
+    "results",
+)
 _OF_WORLD: Final = {"up_camera": "up_world", "up_from_feet": "up_from_feet", "floor_m": "floor_m"}
 """Fields of the flat session of version 3, and what of it they are from version 4 on."""
 

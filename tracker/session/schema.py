@@ -280,9 +280,11 @@ class Session(Plain):
         own."""
         parts = by_part(fields)
         return cls(
-            views=(View(**parts["view"]),), bodies=(TrackedBody(**parts["subject"]),),
-            world=World(**parts["world"]), **parts["session"],
-        )  # fmt: skip
+            views=(View(**parts["view"]),),
+            bodies=(TrackedBody(**parts["subject"]),),
+            world=World(**parts["world"]),
+            **parts["session"],
+        )
 
     @property
     def view(self) -> View:
@@ -425,8 +427,11 @@ class Session(Plain):
 SUBJECT_FIELDS = tuple(name for name in TrackedBody.model_fields if name != "id")
 Part: TypeAlias = Literal["view", "subject", "world", "session"]
 OWNERS: Mapping[Part, type[Plain]] = {
-    "view": View, "subject": TrackedBody, "world": World, "session": Session
-}  # fmt: skip
+    "view": View,
+    "subject": TrackedBody,
+    "world": World,
+    "session": Session,
+}
 _FIELDS_OF: Mapping[Part, tuple[str, ...]] = {
     "view": tuple(name for name in View.model_fields if name != "id"),
     "subject": SUBJECT_FIELDS,

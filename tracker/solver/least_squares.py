@@ -157,9 +157,14 @@ def least_squares(
     while descent.end is None:
         descent.advance(cancelled)
     return Solution(
-        descent.state, descent.here, descent.solved, descent.damped, descent.steps, descent.solves,
+        descent.state,
+        descent.here,
+        descent.solved,
+        descent.damped,
+        descent.steps,
+        descent.solves,
         descent.end,
-    )  # fmt: skip
+    )
 
 
 class _Descent(Generic[State, Point]):

@@ -28,8 +28,11 @@ from keypose.tracker.kernels.steps import motions_between
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Squared, Tukey
 
 NUMBERS: Mapping[type[Kernel], int] = {
-    Squared: LEAST_SQUARES, Huber: HUBER, Tukey: TUKEY, Cauchy: CAUCHY,
-}  # fmt: skip
+    Squared: LEAST_SQUARES,
+    Huber: HUBER,
+    Tukey: TUKEY,
+    Cauchy: CAUCHY,
+}
 
 
 def numbered(kernel: Kernel) -> tuple[int, float]:
@@ -59,13 +62,20 @@ def ranges_of(skeleton: Skeleton, soft: SoftLimits) -> JointRanges:
         else (np.array(twists.low), np.array(twists.high), np.array(twists.R_rest))
     )
     return JointRanges(
-        np.array(limits.low), np.array(limits.high),
+        np.array(limits.low),
+        np.array(limits.high),
         np.any(np.isfinite([limits.low, limits.high]), axis=(0, 2)),
-        place, low, high, R_rest,
+        place,
+        low,
+        high,
+        R_rest,
         np.zeros((parts, 4)) if allowed is None else np.array(allowed),
-        soft.sigma_rad, soft.onset_rad, LEAST_COS, LEAST_DETERMINED,
+        soft.sigma_rad,
+        soft.onset_rad,
+        LEAST_COS,
+        LEAST_DETERMINED,
         np.searchsorted(skeleton.dof_part, np.arange(parts + 1)),
-    )  # fmt: skip
+    )
 
 
 def lens_of(camera: Camera) -> Lens:
@@ -143,17 +153,29 @@ class Placed:
         return _motions(self.chain, *here, *there, backward)
 
     def picture_cost(
-        self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
+        self,
+        places: Places,
+        camera: Camera,
+        uv: Array,
+        scale: Array,
+        nearest_m: float,
         kernel: Kernel,
-    ) -> float:  # fmt: skip
+    ) -> float:
         """What it costs that places are seen at uv (N, J, 2), scale (N, J) in 1/px."""
         parts, seen = (self.Rs_camera_part, self.ps_camera_part), (lens_of(camera), uv, scale)
         return float(picture_cost(places, *parts, *seen, nearest_m, *numbered(kernel)))
 
     def add_picture(
-        self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
-        kernel: Kernel, A: Array, b: Array,
-    ) -> float:  # fmt: skip
+        self,
+        places: Places,
+        camera: Camera,
+        uv: Array,
+        scale: Array,
+        nearest_m: float,
+        kernel: Kernel,
+        A: Array,
+        b: Array,
+    ) -> float:
         """The same, and A (N, D, D), b (N, D) += the normal equations."""
         parts = self.Rs_camera_part, self.ps_camera_part, self.twists
         seen = lens_of(camera), uv, scale

@@ -62,9 +62,14 @@ class PlainPlaced:
         return np.where(skeleton.dof_turns == 1, by_turn, shift[:, skeleton.dof_axis])
 
     def picture_cost(
-        self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
+        self,
+        places: Places,
+        camera: Camera,
+        uv: Array,
+        scale: Array,
+        nearest_m: float,
         kernel: Kernel,
-    ) -> float:  # fmt: skip
+    ) -> float:
         """As `Placed.picture_cost`."""
         p = self.positions(places)
         if not (p[..., 2] > nearest_m).all():
@@ -73,9 +78,16 @@ class PlainPlaced:
         return _cost(kernel, np.linalg.norm(away, axis=-1))
 
     def add_picture(
-        self, places: Places, camera: Camera, uv: Array, scale: Array, nearest_m: float,
-        kernel: Kernel, A: Array, b: Array,
-    ) -> float:  # fmt: skip
+        self,
+        places: Places,
+        camera: Camera,
+        uv: Array,
+        scale: Array,
+        nearest_m: float,
+        kernel: Kernel,
+        A: Array,
+        b: Array,
+    ) -> float:
         """As `Placed.add_picture`."""
         p, J = self.jacobian(places)
         away = _known(image_points(camera, p) - uv, scale[..., None])

@@ -39,9 +39,12 @@ class AtOnePlace:
         weight = np.sqrt(self.kernel.weight(np.linalg.norm(away, axis=-1)))[:, None]
         scale = (weight / self.sigma_m)[..., None]
         return SharedRows(
-            self.frames, weight * away, scale * np.swapaxes(J[:, 0], -1, -2),
-            np.arange(self.at, self.at + 3), -scale * np.eye(3),
-        )  # fmt: skip
+            self.frames,
+            weight * away,
+            scale * np.swapaxes(J[:, 0], -1, -2),
+            np.arange(self.at, self.at + 3),
+            -scale * np.eye(3),
+        )
 
     def _within(self, posed: Posed) -> Posed:
         R, p = posed.Rs_parent_part[self.frames], posed.p_camera_root[self.frames]

@@ -152,9 +152,13 @@ def _mirrored(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     rate = judged.frames_per_second
     for limb in mirrored_limbs(judged.skeleton, judged.camera, poses, rate):
         yield SpaceFinding(
-            kind="mirrored", part=limb.part, first_frame=limb.frame, last_frame=limb.frame,
-            go=limb.frame, amount=limb.nearer_m,
-        )  # fmt: skip
+            kind="mirrored",
+            part=limb.part,
+            first_frame=limb.frame,
+            last_frame=limb.frame,
+            go=limb.frame,
+            amount=limb.nearer_m,
+        )
 
 
 def _twisted(judged: MotionInSpace) -> Iterator[SpaceFinding]:
@@ -164,9 +168,13 @@ def _twisted(judged: MotionInSpace) -> Iterator[SpaceFinding]:
         excess, _ = limits.excess(judged.tracked.pose(frame).Rs_parent_part)
         for part in np.flatnonzero(np.abs(excess[:, 3]) > TWISTED_RAD).tolist():
             yield SpaceFinding(
-                kind="twisted", part=judged.skeleton.body.names[part],
-                first_frame=frame, last_frame=frame, go=frame, amount=float(excess[part, 3]),
-            )  # fmt: skip
+                kind="twisted",
+                part=judged.skeleton.body.names[part],
+                first_frame=frame,
+                last_frame=frame,
+                go=frame,
+                amount=float(excess[part, 3]),
+            )
 
 
 def _leans(judged: MotionInSpace) -> Iterator[SpaceFinding]:
@@ -190,9 +198,13 @@ def _leans(judged: MotionInSpace) -> Iterator[SpaceFinding]:
             row = first + int(np.argmax(lean[first : last + 1]))
             start = motion.first_frame
             yield SpaceFinding(
-                kind="leans", part=judged.skeleton.body.names[0], first_frame=start + first,
-                last_frame=start + last, go=start + row, amount=float(lean[row]),
-            )  # fmt: skip
+                kind="leans",
+                part=judged.skeleton.body.names[0],
+                first_frame=start + first,
+                last_frame=start + last,
+                go=start + row,
+                amount=float(lean[row]),
+            )
 
 
 def _standing(stances: Sequence[tuple[Pin, Array]], frame: int) -> Array:
@@ -227,9 +239,13 @@ def _shakes(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     if usual > SHAKES_M_S2:
         row = int(np.argmax((a**2).sum(axis=-1))) + 1
         yield SpaceFinding(
-            kind="shakes", part=judged.skeleton.body.names[0], first_frame=motion.first_frame,
-            last_frame=motion.last_frame, go=motion.first_frame + row, amount=usual,
-        )  # fmt: skip
+            kind="shakes",
+            part=judged.skeleton.body.names[0],
+            first_frame=motion.first_frame,
+            last_frame=motion.last_frame,
+            go=motion.first_frame + row,
+            amount=usual,
+        )
 
 
 def _jumps(judged: MotionInSpace) -> Iterator[SpaceFinding]:

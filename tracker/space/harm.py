@@ -104,10 +104,13 @@ def harm_findings(compared: Compared, pins: Sequence[Pin]) -> Iterator[SpaceFind
     for harm in harms(compared, pins):
         if harm.is_much:
             yield SpaceFinding(
-                kind="bent" if harm.kind == "knee" else "pulled", part=harm.pin.part,
-                first_frame=harm.pin.first_frame, last_frame=harm.pin.last_frame, go=harm.frame,
+                kind="bent" if harm.kind == "knee" else "pulled",
+                part=harm.pin.part,
+                first_frame=harm.pin.first_frame,
+                last_frame=harm.pin.last_frame,
+                go=harm.frame,
                 amount=harm.amount,
-            )  # fmt: skip
+            )
 
 
 def _of_pin(compared: Compared, pin: Pin) -> Iterator[Harm]:

@@ -55,8 +55,12 @@ OF_SCATTER: Final = 5
 itself unsure (Student)."""
 SIDES: Final = ("left", "right")
 JOINT_OF: Final = {
-    "shoulder": "upper_arm", "elbow": "forearm", "hip": "thigh", "knee": "shin", "ankle": "foot"
-}  # fmt: skip
+    "shoulder": "upper_arm",
+    "elbow": "forearm",
+    "hip": "thigh",
+    "knee": "shin",
+    "ankle": "foot",
+}
 """Parts that begin at a person's joints."""
 
 
@@ -117,14 +121,19 @@ def _evidence_of_balance(
 ) -> UpEvidence | None:
     """What a person shows of up whose weight is over the feet that stand, in the mean; None where
     nobody stands, or the body has no feet and arms. Ts: of the motion."""
-    joints = {joint: [i for i, name in enumerate(skeleton.body.names) if name.endswith(part)]
-              for joint, part in JOINT_OF.items()}  # fmt: skip
+    joints = {
+        joint: [i for i, name in enumerate(skeleton.body.names) if name.endswith(part)]
+        for joint, part in JOINT_OF.items()
+    }
     if any(len(pair) != len(SIDES) for pair in joints.values()):
         return None
-    carries = np.stack([
-        _standing([one for one in stances if one.part == skeleton.body.names[foot]], motion)
-        for foot in joints["ankle"]
-    ], axis=1)  # fmt: skip
+    carries = np.stack(
+        [
+            _standing([one for one in stances if one.part == skeleton.body.names[foot]], motion)
+            for foot in joints["ankle"]
+        ],
+        axis=1,
+    )
     is_upright = carries.any(axis=1) & (_bend_rad(skeleton, motion) < MOST_BEND_RAD)
     if not is_upright.any():
         return None

@@ -72,8 +72,11 @@ def measured_soles(
     in_air: list[tuple[int, int]] = []
     for motion in motions:
         held = pins_within(on_floor, (motion.first_frame, motion.last_frame))
-        found += [_at_worst(skeleton, motion, pin, up_world, floor_m)
-                  for pin in held if pin.holds_sole(skeleton.body)]  # fmt: skip
+        found += [
+            _at_worst(skeleton, motion, pin, up_world, floor_m)
+            for pin in held
+            if pin.holds_sole(skeleton.body)
+        ]
         in_air += _in_air(skeleton, motion, held, up_world, floor_m)
     worst = max(found, key=lambda soles: abs(soles.off_m), default=None)
     return None if worst is None else replace(worst, in_air=tuple(in_air))
@@ -143,8 +146,11 @@ def _in_air(
     skeleton: Skeleton, motion: Trajectory, held: Sequence[Pin], up_world: Array, floor_m: float
 ) -> Iterator[tuple[int, int]]:
     """Runs of frames in which no sole is near the floor, and nothing else is held on it."""
-    feet = [(i, part.landmarks[name]) for i, part in enumerate(skeleton.body.parts)
-            for name in sole_of(part)]  # fmt: skip
+    feet = [
+        (i, part.landmarks[name])
+        for i, part in enumerate(skeleton.body.parts)
+        for name in sole_of(part)
+    ]
     points = BodyPoints(skeleton, tuple((foot,) for foot in feet))
     lowest = (points.at(motion.transforms(skeleton)) @ up_world).min(axis=1)
     first, high = motion.first_frame, lowest > floor_m + AIR_M

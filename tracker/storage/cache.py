@@ -119,6 +119,4 @@ def found_before(
         if served is not None:
             return served
     model, film = find_model(session.settings.network_used), session.view.video.pictures
-    return sources.found_before(
-        posed, skeleton, camera, film, Detections(), model, path
-    )  # fmt: skip
+    return sources.found_before(posed, skeleton, camera, film, Detections(), model, path)

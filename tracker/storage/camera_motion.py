@@ -175,17 +175,25 @@ class _Film:
     def turned(self, camera: Camera, kind: CameraKind | None) -> TurnedCamera:
         """How the camera turned, were this its lens."""
         return find_camera_motion(
-            _greys(self.video), camera, self.frame_count, self.background, kind,
+            _greys(self.video),
+            camera,
+            self.frame_count,
+            self.background,
+            kind,
             self._pass(PASS_SHARE),
-        )  # fmt: skip
+        )
 
     def moved(self, camera: Camera) -> MovedPath:
         """Where the camera went."""
         is_guess = self.session.view.lens_is_guess
         return find_moved_path(
-            _greys(self.video), camera, self.frame_count, self.background,
-            self._pass(PASS_SHARE if is_guess else 1.0), with_focal=is_guess,
-        )  # fmt: skip
+            _greys(self.video),
+            camera,
+            self.frame_count,
+            self.background,
+            self._pass(PASS_SHARE if is_guess else 1.0),
+            with_focal=is_guess,
+        )
 
     def _pass(self, share: float) -> Callable[[int, int], None]:
         """Report of a pass that takes a share of what is left."""
@@ -222,9 +230,11 @@ def _error(found: Found) -> float:
 
 def _finding(one: Finding) -> CameraFinding:
     return CameraFinding(
-        kind=one.kind, first_frame=one.first_frame, last_frame=one.last_frame,
+        kind=one.kind,
+        first_frame=one.first_frame,
+        last_frame=one.last_frame,
         amount=float(one.amount),
-    )  # fmt: skip
+    )
 
 
 def with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Session:
@@ -403,9 +413,12 @@ def background_picture(session: Session, video: Video) -> NDArray[np.uint8]:
         raise CameraError("The background is put together of a camera that turns: find it first.")
     camera = session.view.camera
     loader = ClipLoader(
-        video, camera, WorkingSize.for_camera(camera, 1), steady=steady,
+        video,
+        camera,
+        WorkingSize.for_camera(camera, 1),
+        steady=steady,
         turns=turns_of(steady, motion),
-    )  # fmt: skip
+    )
     return loader.panorama_in_colour().picture
 
 

@@ -277,9 +277,14 @@ def save_keypoints(
     write_file(session_path.parent / name, content, overwrite=True, error=KeypointError)
     model = _model_of(session, network)
     reference = KeypointFile(
-        file=name, source=source, network=network, seeds=tuple(sorted(set(seeds))),
-        model=model, runs=_runs(keypoints) if model else (), masks=_shows_outlines(keypoints),
-    )  # fmt: skip
+        file=name,
+        source=source,
+        network=network,
+        seeds=tuple(sorted(set(seeds))),
+        model=model,
+        runs=_runs(keypoints) if model else (),
+        masks=_shows_outlines(keypoints),
+    )
     return session.changed({"keypoints": reference})
 
 

@@ -89,15 +89,37 @@ def tracker_of(
     own = [(run.first_frame, run.last_frame) for run in imported.own] if imported else []
     if like is not None:
         return like.renewed(
-            skeleton, poses, first_motion, source, parts, keys,
-            fewest=fewest, own=own, people=people, drafted=drafted,
-        )  # fmt: skip
+            skeleton,
+            poses,
+            first_motion,
+            source,
+            parts,
+            keys,
+            fewest=fewest,
+            own=own,
+            people=people,
+            drafted=drafted,
+        )
     return Tracker(
-        video, session.view.camera, skeleton, poses, session.view.ignore_masks,
-        session.has_static_camera, memory, first_motion, source, parts, keys,
-        fewest=fewest, own=own, people=people, steady=steady, turns=background_turns(session),
-        drafted=drafted, times_s=times_s,
-    )  # fmt: skip
+        video,
+        session.view.camera,
+        skeleton,
+        poses,
+        session.view.ignore_masks,
+        session.has_static_camera,
+        memory,
+        first_motion,
+        source,
+        parts,
+        keys,
+        fewest=fewest,
+        own=own,
+        people=people,
+        steady=steady,
+        turns=background_turns(session),
+        drafted=drafted,
+        times_s=times_s,
+    )
 
 
 def steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> KeypointSource | None:

@@ -115,9 +115,11 @@ class Tracks:
         Ts = path.between(self.first_frame, last).Ts_world_camera
         here = Trajectory(self.first_frame, self.Rs_parent_part, self.ps_camera_root).carried(Ts)
         return replace(
-            self, Rs_parent_part=here.Rs_parent_part, ps_camera_root=here.ps_camera_root,
+            self,
+            Rs_parent_part=here.Rs_parent_part,
+            ps_camera_root=here.ps_camera_root,
             before_space=None,
-        )  # fmt: skip
+        )
 
     def between(self, first: int, last: int) -> Tracks:
         """The frames first to last: fewer than these, or more, which have no poses."""
@@ -294,9 +296,14 @@ def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
 def _in_space(stretch: SpaceResult) -> SpaceSummary:
     first, last = stretch.span
     return SpaceSummary(
-        first_frame=first, last_frame=last, key=stretch.key, pins=stretch.pins,
-        proposed=stretch.proposed, findings=stretch.findings, floor_m=stretch.floor_m,
-    )  # fmt: skip
+        first_frame=first,
+        last_frame=last,
+        key=stretch.key,
+        pins=stretch.pins,
+        proposed=stretch.proposed,
+        findings=stretch.findings,
+        floor_m=stretch.floor_m,
+    )
 
 
 def _finite(value: Any) -> Any:

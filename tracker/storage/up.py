@@ -94,10 +94,9 @@ def evidence_of_lines(session: Session, lines: Mapping[int, UprightLines]) -> Up
     seen. They are those of one place, and lean alike: many frames are no surer than one."""
     path = session.camera_path
     some = [
-        one.evidence if path is None
-        else one.evidence.turned(path.Ts_world_camera[frame, :3, :3])
+        one.evidence if path is None else one.evidence.turned(path.Ts_world_camera[frame, :3, :3])
         for frame, one in lines.items()
-    ]  # fmt: skip
+    ]
     found = combined(some)
     if found is None:
         return None

@@ -11,8 +11,13 @@ from keypose.tracker.session.settings import Units, UpAxis
 from keypose.tracker.surface.mesh import SurfaceMesh
 
 METRES: dict[Units, float] = {
-    "m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048,
-}  # fmt: skip
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 0.001,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
 
 # Rows: the camera's x (right), y (down) and z (away) in the file's axes. +y as in glTF, whose front
 # faces +z; +z as in Blender, whose front faces −y.

@@ -179,9 +179,13 @@ def measured_by_keypoints(correction: Correction, found: Trajectory, index: int)
 
 
 def cycle(
-    correction: Correction, method: Keypose, start: Pass, tried: list[Pass],
-    known: Measured | None = None, before: Candidate | None = None,
-) -> Generator[Pass, None, Candidate]:  # fmt: skip
+    correction: Correction,
+    method: Keypose,
+    start: Pass,
+    tried: list[Pass],
+    known: Measured | None = None,
+    before: Candidate | None = None,
+) -> Generator[Pass, None, Candidate]:
     """All passes from one start, which are put into `tried` one by one. The first one is led by the
     keypoints of each frame, which reach far; the others by steadied ones.
 
@@ -217,9 +221,13 @@ def cycle(
 
 
 def _passes(
-    correction: Correction, method: Keypose, start: Pass, tried: list[Pass],
-    known: Measured | None, before: Candidate | None,
-) -> Generator[Pass, None, tuple[tuple[Trajectory, ...], Meeting | None]]:  # fmt: skip
+    correction: Correction,
+    method: Keypose,
+    start: Pass,
+    tried: list[Pass],
+    known: Measured | None,
+    before: Candidate | None,
+) -> Generator[Pass, None, tuple[tuple[Trajectory, ...], Meeting | None]]:
     """Where the passes lead one after another, the start not counted, until they meet another
     start's or lead out of sight; and where they meet."""
     free, segment = correction.scene, correction.segment

@@ -89,13 +89,30 @@ class Textures(Term):
         R, t = start.writable()
         for k in (0, -1):
             view(
-                scene.arrays, lens, scene.visibility, width, height, pictures[slots[k]],
-                stride, R[k], t[k], chosen[k], grey[k], starts[k],
-            )  # fmt: skip
+                scene.arrays,
+                lens,
+                scene.visibility,
+                width,
+                height,
+                pictures[slots[k]],
+                stride,
+                R[k],
+                t[k],
+                chosen[k],
+                grey[k],
+                starts[k],
+            )
         return cls(
-            scene, clip, slots[1:-1], chosen, grey, starts, scene.information(stride),
-            np.zeros((frames - 2, size), np.uint8), np.full((2, frames - 2), FIRST_GREY_OF_SEGMENT),
-        )  # fmt: skip
+            scene,
+            clip,
+            slots[1:-1],
+            chosen,
+            grey,
+            starts,
+            scene.information(stride),
+            np.zeros((frames - 2, size), np.uint8),
+            np.full((2, frames - 2), FIRST_GREY_OF_SEGMENT),
+        )
 
     def cost(self, posed: Posed) -> float:  # noqa: ARG002
         """How good the poses are is scored elsewhere."""
@@ -111,7 +128,19 @@ class Textures(Term):
         dofs = scene.skeleton.dof_count
         A, b = np.empty((len(t), dofs, dofs)), np.empty((len(t), dofs))
         compare_textures(
-            scene.arrays, lens, pictures, self.slots, R, t, self.chosen, self.grey,
-            self.starts, self.seen, self.information, self.sigma, A, b,
-        )  # fmt: skip
+            scene.arrays,
+            lens,
+            pictures,
+            self.slots,
+            R,
+            t,
+            self.chosen,
+            self.grey,
+            self.starts,
+            self.seen,
+            self.information,
+            self.sigma,
+            A,
+            b,
+        )
         return Equations(A, b, np.nan)

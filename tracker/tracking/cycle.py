@@ -106,9 +106,7 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
             break
         present, gap = following.trajectory, following.gap
     apart = _zeros_px(scene, present)
-    return Outcome(
-        tuple(tried), best_of(tried), apart, drift, True, diverged, gap, begun.notes
-    )  # fmt: skip
+    return Outcome(tuple(tried), best_of(tried), apart, drift, True, diverged, gap, begun.notes)
 
 
 def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -> Work:
@@ -144,9 +142,7 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
             best = len(tried) - 1
     chains = begun.chains
     apart = _zeros_px(scene, present) if chains is None else distance_px(scene, *chains)
-    return Outcome(
-        tuple(tried), best, apart, drift, chains is not None, diverged, gap, begun.notes
-    )  # fmt: skip
+    return Outcome(tuple(tried), best, apart, drift, chains is not None, diverged, gap, begun.notes)
 
 
 def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:

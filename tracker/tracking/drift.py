@@ -71,9 +71,17 @@ def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Correc
     rounds, gaps = np.empty(R.shape[1], np.int64), np.empty(R.shape[1])
     doubt = motions.doubt or Doubt.equal(*motions.Rs_parent_part.shape[:2])
     close_segment(
-        R, t, motions.Rs_parent_part, motions.ps_camera_root, *doubt.shares,
-        *end.writable(), R_out, t_out, rounds, gaps,
-    )  # fmt: skip
+        R,
+        t,
+        motions.Rs_parent_part,
+        motions.ps_camera_root,
+        *doubt.shares,
+        *end.writable(),
+        R_out,
+        t_out,
+        rounds,
+        gaps,
+    )
     trajectory = Trajectory(trajectory.first_frame, R_out, t_out)
     return Corrected(trajectory, rounds, float(gaps.max()))
 

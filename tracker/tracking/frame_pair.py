@@ -75,9 +75,14 @@ def solve_with_cut(A: Array, b: Array, scale: Array) -> tuple[Array, Array]:
 
 
 def least_squares_step(
-    scene: Scene, source: Picture, target: Picture, before: Trajectory, j: int, inner: int,
+    scene: Scene,
+    source: Picture,
+    target: Picture,
+    before: Trajectory,
+    j: int,
+    inner: int,
     lens: Lens | None = None,
-) -> MotionStep:  # fmt: skip
+) -> MotionStep:
     """The motion from pose j of a trajectory to the next frame, started at pose j + 1.
 
     lens: that of the pictures' window; the scene's where they are whole.
@@ -88,18 +93,39 @@ def least_squares_step(
     starts = np.empty(scene.skeleton.part_count + 1, np.int64)
     height, width = source.shape[:2]
     view(
-        scene.arrays, lens, scene.visibility, width, height, source, 1,
-        *before.pose(before.first_frame + j).writable(), chosen, grey, starts,
-    )  # fmt: skip
+        scene.arrays,
+        lens,
+        scene.visibility,
+        width,
+        height,
+        source,
+        1,
+        *before.pose(before.first_frame + j).writable(),
+        chosen,
+        grey,
+        starts,
+    )
     R, t = before.pose(before.first_frame + j + 1).writable()
     N, histogram = np.empty((scene.skeleton.part_count, 7, 7)), np.empty(BINS, np.int32)
     A, b, singular = np.empty((dofs, dofs)), np.empty(dofs), np.zeros(dofs)
     squares = 0.0
     for k in range(inner):
         linearise(
-            scene.arrays, chosen, grey, starts, R, t, target, lens, LEAST_SQUARES, 1.0,
-            N, histogram, A, b,
-        )  # fmt: skip
+            scene.arrays,
+            chosen,
+            grey,
+            starts,
+            R,
+            t,
+            target,
+            lens,
+            LEAST_SQUARES,
+            1.0,
+            N,
+            histogram,
+            A,
+            b,
+        )
         if k == 0:
             squares = float(N[0, 6, 6]) + OUTSIDE**2 * int(histogram[LOST])
         step, singular = solve_with_cut(A, b, scene.skeleton.column_scale)
@@ -166,9 +192,21 @@ def robust_pass(
     def follow(shown: Prepared) -> Poses:
         nonlocal score
         score = follow_pairs(
-            scene.arrays, shown.seen_by(scene.lens), scene.visibility, scene.prior(stride),
-            shown.levels[0], slots, *before, stride, inner, stop, R, t, doubt.turned, doubt.shifted,
-        )  # fmt: skip
+            scene.arrays,
+            shown.seen_by(scene.lens),
+            scene.visibility,
+            scene.prior(stride),
+            shown.levels[0],
+            slots,
+            *before,
+            stride,
+            inner,
+            stop,
+            R,
+            t,
+            doubt.turned,
+            doubt.shifted,
+        )
         return R, t
 
     follow_within(scene, clip, before, follow, is_chain=False)
@@ -213,7 +251,13 @@ def _capped(
     shown = show(scene, clip, *trajectory.writable())
     return float(
         mean_capped_square(
-            scene.arrays, shown.seen_by(scene.lens), scene.visibility, shown.levels[0], slots,
-            *trajectory.writable(), stride, CAP,
+            scene.arrays,
+            shown.seen_by(scene.lens),
+            scene.visibility,
+            shown.levels[0],
+            slots,
+            *trajectory.writable(),
+            stride,
+            CAP,
         )
-    )  # fmt: skip
+    )

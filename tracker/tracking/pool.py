@@ -204,9 +204,12 @@ def run(
 
 
 def run_chosen(
-    tracker: SegmentTracker, settings: TrackSettings, tasks: Sequence[Task], workers: int,
+    tracker: SegmentTracker,
+    settings: TrackSettings,
+    tasks: Sequence[Task],
+    workers: int,
     cancelled: Callable[[], bool],
-) -> Iterator[Progress]:  # fmt: skip
+) -> Iterator[Progress]:
     """Track segments and yield events.
 
     `workers` segments run side by side; the result does not depend on it. Cancelling takes effect
@@ -243,9 +246,12 @@ class _TaskQueue:
     """The tasks of one run, shared by its threads."""
 
     def __init__(
-        self, tracker: SegmentTracker, count: int, report: Callable[[SegmentEvent], None],
+        self,
+        tracker: SegmentTracker,
+        count: int,
+        report: Callable[[SegmentEvent], None],
         cancelled: Callable[[], bool],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._tracker, self._count = tracker, count
         self._report, self._cancelled = report, cancelled
         self._lock = Lock()

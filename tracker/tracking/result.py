@@ -56,19 +56,30 @@ class Column(NamedTuple):
 
 
 def _layout(
-    rows: Literal["step", "frame"], width: Literal["", "part", "dof"] = "", *, dtype: str = "<f8",
-    stored_as: str = "", optional: bool = False,
-) -> dict[str, Any]:  # fmt: skip
+    rows: Literal["step", "frame"],
+    width: Literal["", "part", "dof"] = "",
+    *,
+    dtype: str = "<f8",
+    stored_as: str = "",
+    optional: bool = False,
+) -> dict[str, Any]:
     """What a field of `Diagnostics` declares of its array, see `Column`."""
     return {
-        "rows": rows, "width": width, "dtype": dtype, "stored_as": stored_as, "optional": optional,
-    }  # fmt: skip
+        "rows": rows,
+        "width": width,
+        "dtype": dtype,
+        "stored_as": stored_as,
+        "optional": optional,
+    }
 
 
 def side_by_side(
-    pieces: Iterable[tuple[int, NDArray[Any]]], count: int, width: tuple[int, ...] = (),
-    unknown: float = np.nan, dtype: str = "<f8",
-) -> NDArray[Any]:  # fmt: skip
+    pieces: Iterable[tuple[int, NDArray[Any]]],
+    count: int,
+    width: tuple[int, ...] = (),
+    unknown: float = np.nan,
+    dtype: str = "<f8",
+) -> NDArray[Any]:
     """(count, *width) rows of pieces, each from its own first row on; `unknown` elsewhere.
 
     A piece may begin before row 0 or reach beyond the last: those rows are left out. Where two

@@ -79,9 +79,15 @@ class Scene:
         visibility = Visibility(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
         lens = lens_of(camera)
         return cls(
-            skeleton, camera, points, _arrays(skeleton, points), lens, visibility, pixel_m,
+            skeleton,
+            camera,
+            points,
+            _arrays(skeleton, points),
+            lens,
+            visibility,
+            pixel_m,
             _marks(skeleton),
-        )  # fmt: skip
+        )
 
     def of_skeleton(self, skeleton: Skeleton) -> Scene:
         """The same of the same body with other parts tracked."""
@@ -107,9 +113,18 @@ class Scene:
         starts = np.empty(parts + 1, np.int64)
         height, width = picture.shape[:2]
         view(
-            self.arrays._replace(least=np.full(parts, least, np.float32)), lens,
-            self.visibility, width, height, picture, 1, *pose.writable(), chosen, grey, starts,
-        )  # fmt: skip
+            self.arrays._replace(least=np.full(parts, least, np.float32)),
+            lens,
+            self.visibility,
+            width,
+            height,
+            picture,
+            1,
+            *pose.writable(),
+            chosen,
+            grey,
+            starts,
+        )
         return np.diff(starts)
 
     @property

@@ -35,11 +35,22 @@ SUFFIXES = (
 other name is read all the same when it is named."""
 
 UNREAD_IMAGES = {
-    ".exr": "OpenEXR", ".dpx": "DPX", ".cin": "Cineon", ".hdr": "Radiance", ".tga": "TGA",
-    ".heic": "HEIC", ".heif": "HEIF", ".avif": "AVIF", ".jxl": "JPEG XL", ".jp2": "JPEG 2000",
-    ".j2k": "JPEG 2000", ".j2c": "JPEG 2000", ".psd": "Photoshop", ".sgi": "SGI",
+    ".exr": "OpenEXR",
+    ".dpx": "DPX",
+    ".cin": "Cineon",
+    ".hdr": "Radiance",
+    ".tga": "TGA",
+    ".heic": "HEIC",
+    ".heif": "HEIF",
+    ".avif": "AVIF",
+    ".jxl": "JPEG XL",
+    ".jp2": "JPEG 2000",
+    ".j2k": "JPEG 2000",
+    ".j2c": "JPEG 2000",
+    ".psd": "Photoshop",
+    ".sgi": "SGI",
     **dict.fromkeys((".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf", ".orf", ".rw2"), "raw"),
-}  # fmt: skip
+}
 """Kinds of image files that are not read, by how they end."""
 CONVERT_IMAGES = "convert them to PNG, or to TIFF of 16 bits, in the colours of a screen (sRGB)"
 

@@ -200,16 +200,23 @@ def add_models(commands: Subcommands) -> None:
     )
     command = add_command(commands, "models", about, _MODELS_EXAMPLES)
     command.add_argument(
-        "what", nargs="?", choices=("list", "add", "remove"), default="list",
+        "what",
+        nargs="?",
+        choices=("list", "add", "remove"),
+        default="list",
         help="list (default), add or remove",
-    )  # fmt: skip
+    )
     command.add_argument("name", nargs="?", help="with add and remove: which network")
     command.add_argument(
-        "--from", dest="file", type=Path, metavar="FILE",
+        "--from",
+        dest="file",
+        type=Path,
+        metavar="FILE",
         help="of heavy the .tflite file or the npm .tgz; otherwise .onnx or .zip",
-    )  # fmt: skip
+    )
     command.add_argument(
-        "--sha256", metavar="DIGEST",
+        "--sha256",
+        metavar="DIGEST",
         help="of your own file: by it you say that you trust it and no other",
-    )  # fmt: skip
+    )
     add_json(command)

@@ -147,15 +147,19 @@ def add_camera(commands: Subcommands) -> None:
         "--kind", choices=("static", "turns", "moves"), help="how it moves, where you know"
     )
     what.add_argument(
-        "--background", type=file_name, metavar="FILE.png",
+        "--background",
+        type=file_name,
+        metavar="FILE.png",
         help="write what stands behind the body, put together all around, of a camera that turns "
         "and is known; nothing else is done",
-    )  # fmt: skip
+    )
     what.add_argument(
-        "--went", type=typed(Number(least=0.01, most=10_000, unit="m")), metavar="METRES",
+        "--went",
+        type=typed(Number(least=0.01, most=10_000, unit="m")),
+        metavar="METRES",
         help="how far the camera went from where it began, where you know: the scale of its path; "
         "a motion that is known is not looked for again",
-    )  # fmt: skip
+    )
     what.add_argument("--forget", action="store_true", help="leave the camera as it was")
     command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"

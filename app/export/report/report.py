@@ -184,14 +184,22 @@ def pictures_section(subject: Subject, video: Video | None) -> Html:
     closer = [_closer_look(subject, video, span, go) for span, go in doubtful[:MOST_DOUBTFUL]]
     frames = _evenly(subject.keys, MOST_PICTURES)
     tiles = [_keyframe_picture(subject, video, frame) for frame in frames]
-    pieces = [
-        _section(
-            "Look here",
-            element("p", "One frame of every segment in doubt.",
-                    _left_out(len(doubtful) - len(closer), "segments"), class_="quiet"),
-            element("div", *closer, class_="wide"),
-        )
-    ] if closer else []  # fmt: skip
+    pieces = (
+        [
+            _section(
+                "Look here",
+                element(
+                    "p",
+                    "One frame of every segment in doubt.",
+                    _left_out(len(doubtful) - len(closer), "segments"),
+                    class_="quiet",
+                ),
+                element("div", *closer, class_="wide"),
+            )
+        ]
+        if closer
+        else []
+    )
     if tiles:
         left = _left_out(len(subject.keys) - len(frames), "keyframes")
         pieces.append(

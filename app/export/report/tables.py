@@ -139,8 +139,12 @@ def keyframes_table(subject: Subject) -> Html:
         words = f"{last - first + 1} frames, {len(keys)} keyframes"
         mean = f"mean {number_text(subject.mean_interval, 1)}"
         seconds = subject.time_s(keys[-1]) - subject.time_s(keys[0])
-        foot = [element("th", words, colspan=3, scope="row"), _number(mean),
-                _number(figure(seconds / (len(keys) - 1), 2)), element("td")]  # fmt: skip
+        foot = [
+            element("th", words, colspan=3, scope="row"),
+            _number(mean),
+            _number(figure(seconds / (len(keys) - 1), 2)),
+            element("td"),
+        ]
     return table(head, rows, (0, 1, 2, 3, 4), foot)
 
 

@@ -191,9 +191,15 @@ def _drafted(
             report_share(progress_of(progress)[0])
 
         drafts = drafted(
-            session, video, who.frame, who.box, frames,
-            proportions=True, report=report_draft, cancelled=stop.is_set,
-        )  # fmt: skip
+            session,
+            video,
+            who.frame,
+            who.box,
+            frames,
+            proportions=True,
+            report=report_draft,
+            cancelled=stop.is_set,
+        )
         session = with_draft_kept(session, video, path, who, frames, drafts)
         _write_picture(who, video, path.with_name(PICTURE))
     _write_record(record, path)

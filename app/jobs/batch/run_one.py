@@ -74,9 +74,12 @@ STANDS_ALREADY: Final = "It was stood on the floor before, and stays so."
 
 
 def export_of(
-    session: Path, folder: Path, out: Path | None, formats: tuple[str, ...],
+    session: Path,
+    folder: Path,
+    out: Path | None,
+    formats: tuple[str, ...],
     order: MotionOrder = AS_TRACKED,
-) -> Export:  # fmt: skip
+) -> Export:
     """Where the files of a session in `folder` go: beside it, or to the same place below
     `out`.
 

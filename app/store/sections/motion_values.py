@@ -85,9 +85,13 @@ def segments(app_state: AppState) -> Json:
 
 
 def _segment(
-    app_state: AppState, known: JudgedSegments, words: Words, span: Span, state: State,
+    app_state: AppState,
+    known: JudgedSegments,
+    words: Words,
+    span: Span,
+    state: State,
     track: SegmentResult | None,
-) -> Json:  # fmt: skip
+) -> Json:
     first, last = span
     running = app_state.running.get(span)
     others = {"outdated": "Outdated", "none": f"Not {words.done}"}

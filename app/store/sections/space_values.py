@@ -238,9 +238,19 @@ _REMEDIES: Final = {
     "bent": "unpin",
     "jumps": "unpin",
 }
-_WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyframe_depth": 15.0,
-                   "mirrored": 20.0, "twisted": 3.0, "leans": 3.0, "shakes": 0.1, "pulled": 0.12,
-                   "bent": 6.0, "jumps": 0.05}  # fmt: skip
+_WEIGHTS: Final = {
+    "slides": 20.0,
+    "off_floor": 20.0,
+    "below_floor": 20.0,
+    "keyframe_depth": 15.0,
+    "mirrored": 20.0,
+    "twisted": 3.0,
+    "leans": 3.0,
+    "shakes": 0.1,
+    "pulled": 0.12,
+    "bent": 6.0,
+    "jumps": 0.05,
+}
 """What makes findings of different kinds comparable: of 5 cm, of 8 px, of a knee's 10° or a body's
 20°, of a shake of 10 or a jump of 20 m/s² each about 1."""
 
@@ -260,11 +270,16 @@ def space(app_state: AppState) -> Json:
         for pin in stretch.pins:
             if pin.keyframe is not None:
                 row = {
-                    "kind": "pin", "words": pin_sentence(pin), "part": pin.part,
-                    "first": pin.first_frame, "last": pin.last_frame, "go": pin.keyframe,
-                    "remedy": "soften", "keyframes": sorted({pin.keyframe, *pin.others}),
+                    "kind": "pin",
+                    "words": pin_sentence(pin),
+                    "part": pin.part,
+                    "first": pin.first_frame,
+                    "last": pin.last_frame,
+                    "go": pin.keyframe,
+                    "remedy": "soften",
+                    "keyframes": sorted({pin.keyframe, *pin.others}),
                     "cm": round(100 * pin.off_m, 1),
-                }  # fmt: skip
+                }
                 weighted.append((_WEIGHTS["slides"] * pin.off_m, row))
     rows = [row for _, row in sorted(weighted, key=lambda one: -one[0])]
     is_known = edit.results.space(edit.settled)

@@ -84,15 +84,22 @@ def _trunk(animal: Quadruped) -> list[Part]:
         Part(name="trunk", shape=Box(low_m=low, high_m=high), tracked=ALL_DOFS),
         Part(name="neck", parent="trunk", joint_m=neck_at, shape=neck, tracked=("rx", "ry", "rz")),
         Part(
-            name="head", parent="neck", joint_m=animal.head_at,
-            shape=Box(low_m=head_low, high_m=head_high), tracked=("rx", "ry"),
+            name="head",
+            parent="neck",
+            joint_m=animal.head_at,
+            shape=Box(low_m=head_low, high_m=head_high),
+            tracked=("rx", "ry"),
             landmarks={"nose": (0.0, 0.0, head_low[2])},
         ),
         Part(
-            name="tail", parent="trunk", joint_m=tail_at, shape=tail, tracked=("rx", "rz"),
+            name="tail",
+            parent="trunk",
+            joint_m=tail_at,
+            shape=tail,
+            tracked=("rx", "rz"),
             landmarks={"tail_tip": (0.0, tail.end_m, 0.0)},
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _legs(animal: Quadruped, side: str, out: int) -> list[Part]:
@@ -103,13 +110,19 @@ def _legs(animal: Quadruped, side: str, out: int) -> list[Part]:
         shin = Frustum(start_m=-0.01, end_m=lower, start_radii_m=knee, end_radii_m=end)
         parts += [
             Part(
-                name=f"{name}_upper_leg", parent="trunk", joint_m=(out * x, y, z), shape=thigh,
+                name=f"{name}_upper_leg",
+                parent="trunk",
+                joint_m=(out * x, y, z),
+                shape=thigh,
                 tracked=("rx", "rz"),
             ),
             Part(
-                name=f"{name}_lower_leg", parent=f"{name}_upper_leg", joint_m=(0.0, upper, 0.0),
-                shape=shin, tracked=("rx",),
+                name=f"{name}_lower_leg",
+                parent=f"{name}_upper_leg",
+                joint_m=(0.0, upper, 0.0),
+                shape=shin,
+                tracked=("rx",),
                 landmarks={f"{name}_{animal.end}": (0.0, lower, 0.0)},
             ),
-        ]  # fmt: skip
+        ]
     return parts

@@ -124,9 +124,15 @@ def draft_clip(
 
     seed = Seed.of_box(at, box, camera.width, camera.height)
     keypoints = detect(
-        frame, frames, [seed], network, report=looked, film=film, kept=kept,
+        frame,
+        frames,
+        [seed],
+        network,
+        report=looked,
+        film=film,
+        kept=kept,
         every_second=every_second,
-    )  # fmt: skip
+    )
     count = frames[1] - frames[0] + 1
 
     def looked_again(done: int, expected: int) -> None:
@@ -134,9 +140,16 @@ def draft_clip(
 
     changes = person_changes(frame, keypoints, [at], again or network, looked_again)
     return draft_from_keypoints(
-        keypoints, camera, body, changes=changes, proportions=proportions, up_world=up_world,
-        path=path, lifter=lifter, report=report,
-    )  # fmt: skip
+        keypoints,
+        camera,
+        body,
+        changes=changes,
+        proportions=proportions,
+        up_world=up_world,
+        path=path,
+        lifter=lifter,
+        report=report,
+    )
 
 
 def draft_from_keypoints(
@@ -163,9 +176,16 @@ def draft_from_keypoints(
     if has_clavicles(body):
         plain = without_clavicles(body)
         draft = draft_from_keypoints(
-            keypoints, camera, plain, changes=changes, proportions=proportions,
-            up_world=up_world, path=path, lifter=lifter, report=report,
-        )  # fmt: skip
+            keypoints,
+            camera,
+            plain,
+            changes=changes,
+            proportions=proportions,
+            up_world=up_world,
+            path=path,
+            lifter=lifter,
+            report=report,
+        )
         return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
     seen = keypoints
     if path is not None and path.zooms:

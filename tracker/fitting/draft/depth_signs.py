@@ -336,7 +336,9 @@ def _exchanged(seen: Observed, states: NDArray[np.int64]) -> Observed:
     every = np.arange(len(seen))[:, None]
     known = seen.known[every, places] & seen.known[every, labels]
     return replace(
-        seen, uv=seen.uv[every, places], known=known,
+        seen,
+        uv=seen.uv[every, places],
+        known=known,
         visibility=np.where(known, seen.visibility[every, labels], 0.0),
         p_hips=seen.p_hips[every, labels],
-    )  # fmt: skip
+    )

@@ -122,9 +122,10 @@ class JudgedDrafts:
         sound = np.flatnonzero(~self.flipped.any(axis=1))
         frames = [self.frames[n] for n in sound]
         doubts: dict[Reason, Array] = {
-            "residual": self.residual[sound], "hidden": self.hidden[sound],
+            "residual": self.residual[sound],
+            "hidden": self.hidden[sound],
             "flip": self.flips[sound],
-        }  # fmt: skip
+        }
         stretches = [one for s in self.stretches if (one := _sound_part(s, frames)) is not None]
         found = proposed(frames, stretches, doubts, self.parts, self.joints[sound])
         return tuple(sorted((*found, *self._to_correct()), key=lambda one: one.frame))
@@ -222,7 +223,7 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
         wrong[run.rows, run.limb] = True
     return JudgedDrafts(
         numbers, whole, (), own[rows], hidden[rows], flips[rows], from_hips[rows], wrong[rows]
-    )  # fmt: skip
+    )
 
 
 def _mean(away: Array) -> Array:

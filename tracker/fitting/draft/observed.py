@@ -248,10 +248,16 @@ class Observed:
         """Some of the frames."""
         first = self.first_frame + (rows.start or 0)
         return replace(
-            self, first_frame=first, uv=self.uv[rows], known=self.known[rows],
-            visibility=self.visibility[rows], p_hips=self.p_hips[rows], usable=self.usable[rows],
-            jumped=self.jumped[rows], depth_sigma_m=self.depth_sigma_m[rows],
-        )  # fmt: skip
+            self,
+            first_frame=first,
+            uv=self.uv[rows],
+            known=self.known[rows],
+            visibility=self.visibility[rows],
+            p_hips=self.p_hips[rows],
+            usable=self.usable[rows],
+            jumped=self.jumped[rows],
+            depth_sigma_m=self.depth_sigma_m[rows],
+        )
 
     def without_jumps(self, height_px: float) -> Observed:
         """Mark as unknown the keypoints that are outliers for a few frames. height_px: of

@@ -173,14 +173,21 @@ class _PosedRun:
         plain = Whole.of_joints(scene, joints, seen, first)
         depth_scale = np.where(np.isfinite(depth), plain.depth_scale, 0.0)
         return replace(
-            plain, depth=np.nan_to_num(depth), depth_scale=depth_scale,
+            plain,
+            depth=np.nan_to_num(depth),
+            depth_scale=depth_scale,
             keep=_held(scene, plain.keep, len(first), stay),
-        )  # fmt: skip
+        )
 
     def _ends(
-        self, joints: Joints, seen: Observed, first: Trajectory, motion: Trajectory,
-        posed_rows: list[int], stay: set[int],
-    ) -> Whole:  # fmt: skip
+        self,
+        joints: Joints,
+        seen: Observed,
+        first: Trajectory,
+        motion: Trajectory,
+        posed_rows: list[int],
+        stay: set[int],
+    ) -> Whole:
         """Head and feet; what was posed says where on them the network sees points."""
         columns, points = joints.ends
         seen = self._corrected(seen, columns, points, first, posed_rows)
@@ -192,9 +199,13 @@ class _PosedRun:
         return Scene.of(skeleton, self.camera, [middle(motion)], FEW_POINTS)
 
     def _corrected(
-        self, seen: Observed, columns: NDArray[np.int64], points: BodyPoints, first: Trajectory,
+        self,
+        seen: Observed,
+        columns: NDArray[np.int64],
+        points: BodyPoints,
+        first: Trajectory,
         posed_rows: list[int],
-    ) -> Observed:  # fmt: skip
+    ) -> Observed:
         """Move these keypoints to where they would be without what was learned that they
         are off.
         """

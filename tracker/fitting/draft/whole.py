@@ -95,10 +95,15 @@ class Whole:
             usual_m * wider,
         )
         return cls(
-            scene, joints.seen, observed.uv[:, columns], np.where(known, 1 / sigma, 0.0),
-            z - first.ps_camera_root[:, 2:], np.where(known, 1 / depth_m, 0.0),
-            first, _precision(scene, joints, observed),
-        )  # fmt: skip
+            scene,
+            joints.seen,
+            observed.uv[:, columns],
+            np.where(known, 1 / sigma, 0.0),
+            z - first.ps_camera_root[:, 2:],
+            np.where(known, 1 / depth_m, 0.0),
+            first,
+            _precision(scene, joints, observed),
+        )
 
     @classmethod
     def of_ends(cls, scene: Scene, joints: Joints, observed: Observed, posed: Trajectory) -> Whole:
@@ -111,11 +116,15 @@ class Whole:
         depth = _depth_of_ends(scene, joints, observed, posed)
         deep = known & np.isfinite(depth)
         return cls(
-            scene, points, observed.uv[:, columns],
+            scene,
+            points,
+            observed.uv[:, columns],
             np.where(known, 1 / (ENDS_WIDER * sigma), 0.0),
-            np.where(deep, depth, 0.0), np.where(deep, 1 / (FOOT_DEPTH_M * wider), 0.0),
-            posed, DRAFTED_ENDS.precision(scene.skeleton),
-        )  # fmt: skip
+            np.where(deep, depth, 0.0),
+            np.where(deep, 1 / (FOOT_DEPTH_M * wider), 0.0),
+            posed,
+            DRAFTED_ENDS.precision(scene.skeleton),
+        )
 
     def __len__(self) -> int:
         return len(self.first)

@@ -54,9 +54,15 @@ class FitInputs:
 
     @classmethod
     def of(
-        cls, video: Video, camera: Camera, skeleton: Skeleton, frame: int, pose: Pose,
-        masks: Sequence[IgnoreMask], steady: SteadyCamera | None = None,
-    ) -> FitInputs:  # fmt: skip
+        cls,
+        video: Video,
+        camera: Camera,
+        skeleton: Skeleton,
+        frame: int,
+        pose: Pose,
+        masks: Sequence[IgnoreMask],
+        steady: SteadyCamera | None = None,
+    ) -> FitInputs:
         """Load one frame."""
         size = WorkingSize.for_camera(camera, AT_ONCE)
         loader = ClipLoader(video, camera, size, masks, steady=steady)

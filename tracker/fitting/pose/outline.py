@@ -96,9 +96,13 @@ class Outline:
 
     @classmethod
     def of(
-        cls, skeleton: Skeleton, camera: Camera, rgb: NDArray[np.uint8],
-        usable: NDArray[np.bool_], pose: Pose,
-    ) -> Outline | None:  # fmt: skip
+        cls,
+        skeleton: Skeleton,
+        camera: Camera,
+        rgb: NDArray[np.uint8],
+        usable: NDArray[np.bool_],
+        pose: Pose,
+    ) -> Outline | None:
         """The cut of a picture (H, W, 3) about a pose; None where the body is not within it."""
         mesh, view = BodyMesh.of(skeleton), ViewCamera.of(camera)
         uv = view.project(mesh.posed(pose_transforms(skeleton, pose)))
@@ -160,9 +164,15 @@ class Outline:
         return Edges(p, part, normal, away, variance, located)
 
     def _line_odds(
-        self, colours: Colours, v: NDArray[np.int64], u: NDArray[np.int64],
-        part: NDArray[np.int64], other: NDArray[np.int64], normal: Array, along: NDArray[np.int64],
-    ) -> Array:  # fmt: skip
+        self,
+        colours: Colours,
+        v: NDArray[np.int64],
+        u: NDArray[np.int64],
+        part: NDArray[np.int64],
+        other: NDArray[np.int64],
+        normal: Array,
+        along: NDArray[np.int64],
+    ) -> Array:
         """(M, 2·reach + 1) log odds that a pixel of a line is the part and not what is behind."""
         height, width = self.steps.shape
         U = np.rint(u[:, None] + normal[:, :1] * along).astype(np.int64)

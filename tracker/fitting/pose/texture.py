@@ -67,9 +67,18 @@ def visible_points(
     HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.visibility, size[1], size[0])[:6]
     place_parts(scene.arrays, *pose.writable(), HR, Ho)
     see(
-        scene.arrays, HR, Ho, scene.lens, scene.visibility, size[1], size[0],
-        uvz, seen, depth, owner,
-    )  # fmt: skip
+        scene.arrays,
+        HR,
+        Ho,
+        scene.lens,
+        scene.visibility,
+        size[1],
+        size[0],
+        uvz,
+        seen,
+        depth,
+        owner,
+    )
     return seen, uvz
 
 
@@ -84,9 +93,18 @@ def texture_of(scene: Scene, pictures: Sequence[Picture], pose: Pose, weight: fl
         stride, every = (1, 2) if coarse else (STRIDE, 1)
         lens = scaled_lens(scene.lens, 0.5**level)
         pick(
-            scene.arrays, uvz, seen, picture, lens, 0.5**level, stride, every,
-            points, brightness, first,
-        )  # fmt: skip
+            scene.arrays,
+            uvz,
+            seen,
+            picture,
+            lens,
+            0.5**level,
+            stride,
+            every,
+            points,
+            brightness,
+            first,
+        )
         chosen.append(points)
         grey.append(brightness)
         starts.append(first)
@@ -155,9 +173,20 @@ class PlacedTextures:
         for i, (first, last) in enumerate(pairwise(starts.tolist())):
             rows, taps = (np.empty(s, np.float32) for s in ((9, last - first), (last - first, 4)))
             count, _ = gather(
-                self.scene.arrays, chosen, grey, first, last, HR[i], Ho[i], self.picture, lens,
-                self.seen, True, rows, taps,
-            )  # fmt: skip
+                self.scene.arrays,
+                chosen,
+                grey,
+                first,
+                last,
+                HR[i],
+                Ho[i],
+                self.picture,
+                lens,
+                self.seen,
+                True,
+                rows,
+                taps,
+            )
             parts.append(np.full(count, i))
             found.append(np.stack([taps[:count, 0] - rows[4, :count], rows[4, :count]]))
         r, own = np.concatenate(found, axis=1).astype(np.float64)
@@ -169,10 +198,24 @@ class PlacedTextures:
         N, histogram = np.empty((len(HR), 7, 7)), np.empty(BINS, np.int32)
         level, lens = self.level, scaled_lens(self.scene.lens, 0.5**self.level)
         points = sum_points(
-            self.scene.arrays, texture.chosen[level], texture.grey[level], texture.starts[level],
-            HR, Ho, Ho[0].copy(), self.picture, lens, self.seen,
-            True, loss, width, gain, N, histogram, np.empty((9, BLOCK), np.float32),
-        )  # fmt: skip
+            self.scene.arrays,
+            texture.chosen[level],
+            texture.grey[level],
+            texture.starts[level],
+            HR,
+            Ho,
+            Ho[0].copy(),
+            self.picture,
+            lens,
+            self.seen,
+            True,
+            loss,
+            width,
+            gain,
+            N,
+            histogram,
+            np.empty((9, BLOCK), np.float32),
+        )
         return Sums(N, histogram, int(points))
 
 

@@ -78,9 +78,12 @@ class ColourModels:
         if not len(place):
             return t, np.zeros((0, len(t), 3))
         seen = cv2.remap(
-            self.rgb[frame].astype(np.float32), place[..., 0], place[..., 1], cv2.INTER_LINEAR,
+            self.rgb[frame].astype(np.float32),
+            place[..., 0],
+            place[..., 1],
+            cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_REPLICATE,
-        )  # fmt: skip
+        )
         return t, np.asarray(seen, dtype=np.float64)
 
 

@@ -37,9 +37,13 @@ class Estimate:
 
 
 def estimate(
-    fit: SharedFit, start: Shared, pictures: Pictures, looked: list[int],
-    reaches: Sequence[float], cancelled: Callable[[], bool],
-) -> Estimate | None:  # fmt: skip
+    fit: SharedFit,
+    start: Shared,
+    pictures: Pictures,
+    looked: list[int],
+    reaches: Sequence[float],
+    cancelled: Callable[[], bool],
+) -> Estimate | None:
     """Look for the contours and fit to them, again and again; None when cancelled."""
     joints = [joint_rows(fit, k) for k in range(len(fit.posed))]
     seen = contours(fit, start, looked)

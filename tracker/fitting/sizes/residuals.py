@@ -115,9 +115,13 @@ def joint_rows(fit: SharedFit, k: int) -> Residuals:
 
 
 def residuals_by_pose(
-    fit: SharedFit, shared: Shared, looked: Sequence[int], seen: Sequence[Contour],
-    colour_models: ColourModels, reach_px: float,
-) -> dict[int, Residuals]:  # fmt: skip
+    fit: SharedFit,
+    shared: Shared,
+    looked: Sequence[int],
+    seen: Sequence[Contour],
+    colour_models: ColourModels,
+    reach_px: float,
+) -> dict[int, Residuals]:
     """The contour rows of the poses that are looked at."""
     return {
         k: contour_rows(fit, shared, k, contour, offsets(contour, colour_models, j, reach_px))

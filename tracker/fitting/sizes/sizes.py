@@ -115,7 +115,7 @@ def fit_sizes(
         return SizesFitted(describe_sizes(found), unseen=unseen_parts(found))
     look = KeyframePictures(
         fit, camera, pictures, looked.tolist(), frames, 2.0**size.halvings, cancelled
-    )  # fmt: skip
+    )
     alone = look.alone(found)
     with_poses = look.with_poses(found, path.Ts_world_camera, up or UP_CAMERA)
     if cancelled():
@@ -173,9 +173,15 @@ def _find_sizes(
         changed = still
     telephoto = fit.camera.projection == "telephoto"
     return SizesFound(
-        fit.proportions, last.shared, changed, first.observable, implausible, first.enough,
-        focal, telephoto,
-    )  # fmt: skip
+        fit.proportions,
+        last.shared,
+        changed,
+        first.observable,
+        implausible,
+        first.enough,
+        focal,
+        telephoto,
+    )
 
 
 def _is_least_likely(changed: NDArray[np.bool_], rounds: Estimate) -> NDArray[np.bool_]:

@@ -241,9 +241,13 @@ def resized(file: str, camera: Camera, size: Size) -> Camera:
             f"{size[0]} × {size[1]}: export the camera for the film's picture."
         )
     changes = {
-        "width": size[0], "height": size[1], "fx": camera.fx * across, "fy": camera.fy * down,
-        "cx": (camera.cx + 0.5) * across - 0.5, "cy": (camera.cy + 0.5) * down - 0.5,
-    }  # fmt: skip
+        "width": size[0],
+        "height": size[1],
+        "fx": camera.fx * across,
+        "fy": camera.fy * down,
+        "cx": (camera.cx + 0.5) * across - 0.5,
+        "cy": (camera.cy + 0.5) * down - 0.5,
+    }
     return camera.model_copy(update=changes)
 
 

@@ -218,10 +218,11 @@ def _places(
             T = np.reshape(node["matrix"], (4, 4)).T @ T
             continue
         p, q, s = (
-            curves[i, path].at(times_s) if (i, path) in curves
+            curves[i, path].at(times_s)
+            if (i, path) in curves
             else np.broadcast_to(np.asarray(node.get(path, rest), float), (len(times_s), len(rest)))
             for path, rest in _REST.items()
-        )  # fmt: skip
+        )
         R = rotation_from_quaternion(np.roll(q, 1, axis=1))
         T = transform(R * s[:, None, :], p) @ T
     return np.asarray(T)

@@ -277,9 +277,15 @@ def _lens(
     fx, fy, cx, cy = middle
     try:
         return Camera(
-            width=whole[0], height=whole[1], fx=fx, fy=fy, cx=cx - 0.5, cy=cy - 0.5,
-            distortion=distortion, origin="intrinsics",
-        )  # fmt: skip
+            width=whole[0],
+            height=whole[1],
+            fx=fx,
+            fy=fy,
+            cx=cx - 0.5,
+            cy=cy - 0.5,
+            distortion=distortion,
+            origin="intrinsics",
+        )
     except ValidationError as error:
         raise FormatError(f"{file}: {one_sentence(error)}") from None
 

@@ -209,10 +209,17 @@ def _factors(model: OpenSimModel, body: Body) -> dict[str, Array]:
         lower = _ratio(hand, _elbow_to_wrist(model, s))
         foot_factor = _foot_factor(model, body, s)
         factors |= {
-            f"femur_{s}": femur, f"patella_{s}": femur, f"tibia_{s}": tibia,
-            f"talus_{s}": foot_factor, f"calcn_{s}": foot_factor, f"toes_{s}": foot_factor,
-            f"humerus_{s}": upper, f"ulna_{s}": lower, f"radius_{s}": lower, f"hand_{s}": lower,
-        }  # fmt: skip
+            f"femur_{s}": femur,
+            f"patella_{s}": femur,
+            f"tibia_{s}": tibia,
+            f"talus_{s}": foot_factor,
+            f"calcn_{s}": foot_factor,
+            f"toes_{s}": foot_factor,
+            f"humerus_{s}": upper,
+            f"ulna_{s}": lower,
+            f"radius_{s}": lower,
+            f"hand_{s}": lower,
+        }
         whole += (float(femur[0]) + float(tibia[0]) + float(torso[1])) / 6
     return {name: factors.get(name, np.full(3, whole)) for name in model.bodies}
 

@@ -113,9 +113,12 @@ def parents_of(rows: Sequence[Row], all_rows: Sequence[Row]) -> NDArray[np.int64
 
 
 def ends_of(
-    skeleton: Skeleton, heads: Array, parents: NDArray[np.int64], parts: NDArray[np.int64],
+    skeleton: Skeleton,
+    heads: Array,
+    parents: NDArray[np.int64],
+    parts: NDArray[np.int64],
     Ts_world_part: Array,
-) -> Array:  # fmt: skip
+) -> Array:
     """Where bones end (B, 3): at the first child elsewhere, else at the end of their part,
     else as far on as their parent is long.
     """

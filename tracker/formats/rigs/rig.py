@@ -225,14 +225,25 @@ def _own(skeleton: Skeleton, parallel: bool) -> Rig:
 
 
 def _rig(
-    name: str, names: Sequence[str], parents: NDArray[np.int64], parts: NDArray[np.int64],
-    Rs_world_bone: Array, heads: Array, ends: Array, Ts_world_part: Array,
-) -> Rig:  # fmt: skip
+    name: str,
+    names: Sequence[str],
+    parents: NDArray[np.int64],
+    parts: NDArray[np.int64],
+    Rs_world_bone: Array,
+    heads: Array,
+    ends: Array,
+    Ts_world_part: Array,
+) -> Rig:
     ends_bone = np.einsum("bji,bj->bi", Rs_world_bone, ends - heads)
     return Rig(
-        name, tuple(names), parents, parts, frozen(transform(Rs_world_bone, heads)),
-        frozen(ends_bone), frozen(Ts_world_part),
-    )  # fmt: skip
+        name,
+        tuple(names),
+        parents,
+        parts,
+        frozen(transform(Rs_world_bone, heads)),
+        frozen(ends_bone),
+        frozen(Ts_world_part),
+    )
 
 
 def _local(Ts_world_bone: Array, parents: NDArray[np.int64]) -> Array:

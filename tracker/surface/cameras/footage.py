@@ -61,10 +61,19 @@ def agreement(mesh: SurfaceMesh, views: Sequence[View], pictures: Sequence[Grey]
     if views:
         lenses, stack = Lenses.of(views), stack_pictures(pictures, 0)
         correlate(
-            np.ascontiguousarray(mesh.vertices), np.ascontiguousarray(mesh.normals),
-            lenses.Ts, lenses.lenses, lenses.sizes, stack, _nearness(mesh, views, stack.shape),
-            SPACING_PX, SLACK_PX, LEAST_COSINE, zncc, seen_by,
-        )  # fmt: skip
+            np.ascontiguousarray(mesh.vertices),
+            np.ascontiguousarray(mesh.normals),
+            lenses.Ts,
+            lenses.lenses,
+            lenses.sizes,
+            stack,
+            _nearness(mesh, views, stack.shape),
+            SPACING_PX,
+            SLACK_PX,
+            LEAST_COSINE,
+            zncc,
+            seen_by,
+        )
     return Agreement(zncc, seen_by)
 
 

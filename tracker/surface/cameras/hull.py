@@ -151,9 +151,17 @@ def hull_field(
     limit = LIMIT_VOXELS * voxel_m
     measured = np.empty((len(cells), CELL, CELL, CELL), np.float32)
     measure_cells(
-        cells, p_origin, voxel_m,
-        lenses.Ts, lenses.lenses, lenses.sizes, maps, least, limit, measured,
-    )  # fmt: skip
+        cells,
+        p_origin,
+        voxel_m,
+        lenses.Ts,
+        lenses.lenses,
+        lenses.sizes,
+        maps,
+        least,
+        limit,
+        measured,
+    )
     filled = (measured > 0).reshape(len(cells), -1).sum(axis=1)
     low, high = _bounds(cells, filled)
     _require_affordable(int(np.prod(high - low)), voxel_m)

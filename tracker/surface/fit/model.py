@@ -229,9 +229,15 @@ class SurfaceModel:
 
     @classmethod
     def _bind(
-        cls, skeleton: Skeleton, samples: SurfaceSamples, pose: Pose, Ts_camera_part: Array,
-        parts: NDArray[np.int64], shares: Array, size_m: float,
-    ) -> SurfaceModel:  # fmt: skip
+        cls,
+        skeleton: Skeleton,
+        samples: SurfaceSamples,
+        pose: Pose,
+        Ts_camera_part: Array,
+        parts: NDArray[np.int64],
+        shares: Array,
+        size_m: float,
+    ) -> SurfaceModel:
         """Points of a posed surface, in the frames of the parts that carry them."""
         Ts = Ts_camera_part[parts]
         Rs, origins = Ts[..., :3, :3], Ts[..., :3, 3]

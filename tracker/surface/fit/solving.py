@@ -147,9 +147,18 @@ class PairDistances:
         A, b = np.empty((len(model.pairs), size, size)), np.empty((len(model.pairs), size))
         at = self.surface if posed is self.paired_at else model.posed(posed.Ts_camera_part)
         energy = pull(
-            at.p_each, model.shares, model.groups, pairs.model, pairs.target, pairs.normals,
-            pairs.weights, self.surface.normals, self.plane, A, b,
-        )  # fmt: skip
+            at.p_each,
+            model.shares,
+            model.groups,
+            pairs.model,
+            pairs.target,
+            pairs.normals,
+            pairs.weights,
+            self.surface.normals,
+            self.plane,
+            A,
+            b,
+        )
         found = normal_equations(A, b, self._twists(posed), energy, self.offset)
         return Equations(found.information, found.slope, 0.5 * found.energy)
 

@@ -147,9 +147,14 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 
 def anchors_of(
-    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, *,
-    open_end: bool = False, followed: Trajectory | None = None,
-) -> tuple[Anchors, ...]:  # fmt: skip
+    scene: Scene,
+    segment: Segment,
+    camera: Camera,
+    keypoints: Keypoints,
+    *,
+    open_end: bool = False,
+    followed: Trajectory | None = None,
+) -> tuple[Anchors, ...]:
     """The anchors of a segment: as the detector has left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
@@ -199,9 +204,13 @@ def keyframe_off_person(
 
 
 def frame_anchors(
-    scene: Scene, camera: Camera, seen: Keypoints, pose: Pose,
-    keyed: Sequence[tuple[Pose, Keypoints]], kernel: Kernel,
-) -> PointsInPicture | None:  # fmt: skip
+    scene: Scene,
+    camera: Camera,
+    seen: Keypoints,
+    pose: Pose,
+    keyed: Sequence[tuple[Pose, Keypoints]],
+    kernel: Kernel,
+) -> PointsInPicture | None:
     """What the keypoints of one frame say of its pose; None where they lie on another body.
 
     keyed: other frames' poses and keypoints, which show where on its part a detector puts a joint.
@@ -255,9 +264,14 @@ def _sigma_px(height: float, visibility: Array) -> Array:
 
 
 def _anchors(
-    scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
-    points: Array, keyed: dict[int, Pose], height: float,
-) -> Anchors | None:  # fmt: skip
+    scene: Scene,
+    seen: Keypoints,
+    index: NDArray[np.int64],
+    parts: NDArray[np.int64],
+    points: Array,
+    keyed: dict[int, Pose],
+    height: float,
+) -> Anchors | None:
     """None where they lie on another body than the one posed, or where no keyframe shows it."""
     uv = seen.uv[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
@@ -285,9 +299,19 @@ def _anchors(
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND_SHARE * height)
     return Anchors(
-        where, parts, uv, scale, depth, depth_scale * detected, visibility, height, joints, exact,
-        _sigmas_m(seen, index), *_feet(scene, seen),
-    )  # fmt: skip
+        where,
+        parts,
+        uv,
+        scale,
+        depth,
+        depth_scale * detected,
+        visibility,
+        height,
+        joints,
+        exact,
+        _sigmas_m(seen, index),
+        *_feet(scene, seen),
+    )
 
 
 def _feet(scene: Scene, seen: Keypoints) -> tuple[BodyPoints, Array]:
@@ -306,9 +330,14 @@ def _sigmas_m(seen: Keypoints, index: NDArray[np.int64]) -> Array:
 
 
 def _offsets(
-    scene: Scene, parts: NDArray[np.int64], points: Array, sigma_m: Array, poses: list[Pose],
-    uv: Array, scale: Array,
-) -> Array:  # fmt: skip
+    scene: Scene,
+    parts: NDArray[np.int64],
+    points: Array,
+    sigma_m: Array,
+    poses: list[Pose],
+    uv: Array,
+    scale: Array,
+) -> Array:
     """(K, 3) from each point to where on its part the detector puts it.
 
     The least |offset|²/σ² and distances in the pictures of the keyframes; points near what they
@@ -330,9 +359,13 @@ def _offsets(
 
 
 def _depths(
-    scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
-    points: Array, keyed: dict[int, Pose],
-) -> tuple[Array, Array]:  # fmt: skip
+    scene: Scene,
+    seen: Keypoints,
+    index: NDArray[np.int64],
+    parts: NDArray[np.int64],
+    points: Array,
+    keyed: dict[int, Pose],
+) -> tuple[Array, Array]:
     """(N, K) depth from the root and its 1/σ: the detector's, plus what it lacks at both keyframes,
     linearly between."""
     if seen.p_hips is None:

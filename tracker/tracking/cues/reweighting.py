@@ -76,13 +76,15 @@ def increment_scale(segment: Segment, chains: Chains, measured: Increments) -> f
     variance = np.where(known, 1 / np.maximum(measured.precision, np.finfo(float).tiny), 0.0)
     expected = np.sqrt(variance.sum(axis=0))
     forward, backward = chains
-    missed = np.stack([
-        Posed.of(measured.skeleton, to).motion_from(*at.writable(), backward=False)
-        for at, to in (
-            (forward.pose(segment.last_frame), segment.end),
-            (backward.pose(segment.first_frame), segment.start),
-        )
-    ])  # fmt: skip
+    missed = np.stack(
+        [
+            Posed.of(measured.skeleton, to).motion_from(*at.writable(), backward=False)
+            for at, to in (
+                (forward.pose(segment.last_frame), segment.end),
+                (backward.pose(segment.first_frame), segment.start),
+            )
+        ]
+    )
     sizes = np.abs(missed[:, known.any(axis=0)]) / expected[known.any(axis=0)]
     if not sizes.size:
         return 1.0

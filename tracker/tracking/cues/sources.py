@@ -150,10 +150,15 @@ class DetectedKeypoints:
             network = _network(self.model)  # a KeypointError of its own where it is not here
             try:
                 return detect(
-                    self._frame, frames, seeds, network,
-                    report=report, film=self.film, kept=self.kept,
+                    self._frame,
+                    frames,
+                    seeds,
+                    network,
+                    report=report,
+                    film=self.film,
+                    kept=self.kept,
                     every_second=self.every_second,
-                )  # fmt: skip
+                )
             except KeypointError:  # nobody is seen there: a body that is no person
                 return None
 
@@ -317,9 +322,14 @@ def found_before(
     for every_second in (True, False):
         with suppress(_NotKept, KeypointError):  # never looked for so, or nobody seen
             return detect(
-                no_picture, frames, seeds, recall,
-                film=film, kept=kept, every_second=every_second,
-            )  # fmt: skip
+                no_picture,
+                frames,
+                seeds,
+                recall,
+                film=film,
+                kept=kept,
+                every_second=every_second,
+            )
     return None
 
 

@@ -39,10 +39,17 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     residual, shown = np.empty((n, parts)), np.empty((n, parts), np.int64)
     pictures = show(scene, clip, *trajectory.writable())
     observe_pairs(
-        scene.arrays, pictures.seen_by(scene.lens), scene.visibility, pictures.levels[0],
+        scene.arrays,
+        pictures.seen_by(scene.lens),
+        scene.visibility,
+        pictures.levels[0],
         clip.slots(trajectory.first_frame, trajectory.last_frame),
-        *trajectory.writable(), A, residual, shown, sigma,
-    )  # fmt: skip
+        *trajectory.writable(),
+        A,
+        residual,
+        shown,
+        sigma,
+    )
     scale = scene.skeleton.column_scale
     values = np.linalg.eigvalsh(A * scale * scale[:, None])[:, ::-1]
     singular = np.sqrt(np.maximum(values, 0.0))

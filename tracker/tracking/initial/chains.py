@@ -69,10 +69,21 @@ def follow(
 
         def led(shown: Prepared) -> Poses:
             follow_chain(
-                scene.arrays, shown.seen_by(scene.lens), scene.visibility, scene.prior(stride),
-                shown.levels, finest, slots if forward else slots[::-1].copy(), R, t, stride,
-                inner, stop, doubt.turned, doubt.shifted,
-            )  # fmt: skip
+                scene.arrays,
+                shown.seen_by(scene.lens),
+                scene.visibility,
+                scene.prior(stride),
+                shown.levels,
+                finest,
+                slots if forward else slots[::-1].copy(),
+                R,
+                t,
+                stride,
+                inner,
+                stop,
+                doubt.turned,
+                doubt.shifted,
+            )
             return R, t
 
         follow_within(scene, clip, (R[:1].copy(), t[:1].copy()), led, is_chain=True)

@@ -191,10 +191,12 @@ def _is_planar(scene: Scene, motion: Trajectory, limb: TwoLinks, L1: Array, L2: 
     hip, knee = Ts[:, limb.upper, :3, 3], Ts[:, limb.lower, :3, 3]
     end = Ts[:, limb.leaf, :3, :3] @ limb.p_leaf + Ts[:, limb.leaf, :3, 3]
     px_per_m = np.sqrt(scene.camera.fx * scene.camera.fy) / scene.camera.depth(knee)
-    flat = np.stack([
-        L1 / (px_per_m * np.linalg.norm(knee - hip, axis=-1)),
-        L2 / (px_per_m * np.linalg.norm(end - knee, axis=-1)),
-    ])  # fmt: skip
+    flat = np.stack(
+        [
+            L1 / (px_per_m * np.linalg.norm(knee - hip, axis=-1)),
+            L2 / (px_per_m * np.linalg.norm(end - knee, axis=-1)),
+        ]
+    )
     alike = flat.min(axis=1) / flat.max(axis=1)
     return bool(flat.min() > LEAST_FLAT and alike.min() > LEAST_ALIKE)
 

@@ -135,9 +135,13 @@ def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: 
 
 
 def _limb_corrected(
-    outcome: Outcome, body: Trajectory, segment: Segment, limb: KeyedLimb, method: Keypose,
+    outcome: Outcome,
+    body: Trajectory,
+    segment: Segment,
+    limb: KeyedLimb,
+    method: Keypose,
     seen: Evidence,
-) -> Work:  # fmt: skip
+) -> Work:
     """outcome: with what was corrected before.  body: what the limb is tracked beside."""
     pieces = closed_pieces(seen.scene.skeleton, body, limb)
     found: list[Trajectory] = [piece for piece, _ in pieces]
@@ -145,9 +149,14 @@ def _limb_corrected(
     tried: list[Pass] = []
     for k, (piece, (start, end)) in enumerate(pieces):
         part = LimbSegment(
-            piece.first_frame, piece.last_frame, start, end, segment.clip,
-            given=piece, parts=limb.parts,
-        )  # fmt: skip
+            piece.first_frame,
+            piece.last_frame,
+            start,
+            end,
+            segment.clip,
+            given=piece,
+            parts=limb.parts,
+        )
         work = _tracked(part, segment, method, seen)
         own = yield from _whole(work, found, k, tried, outcome.trajectory, limb)
         outcomes.append(own)
@@ -161,9 +170,13 @@ def _limb_corrected(
 
 
 def _whole(
-    work: Generator[Pass, None, Outcome | None], found: Sequence[Trajectory], k: int,
-    tried: list[Pass], rest: Trajectory, limb: KeyedLimb,
-) -> Generator[Pass, None, Outcome | None]:  # fmt: skip
+    work: Generator[Pass, None, Outcome | None],
+    found: Sequence[Trajectory],
+    k: int,
+    tried: list[Pass],
+    rest: Trajectory,
+    limb: KeyedLimb,
+) -> Generator[Pass, None, Outcome | None]:
     """What is found of the kth piece as a motion of all pieces and the rest."""
     while True:
         try:
@@ -242,9 +255,13 @@ def pieces_rows(pieces: Sequence[Trajectory]) -> list[slice]:
 
 
 def _together(
-    base: Outcome, tried: Sequence[Pass], limb: KeyedLimb, own: Sequence[Outcome | None],
-    rows: Sequence[slice], scene: Scene,
-) -> Outcome:  # fmt: skip
+    base: Outcome,
+    tried: Sequence[Pass],
+    limb: KeyedLimb,
+    own: Sequence[Outcome | None],
+    rows: Sequence[slice],
+    scene: Scene,
+) -> Outcome:
     """The outcome with what is known of the limb put in."""
     marks = np.isin(scene.marks[1], limb.parts)
     apart, drift = base.apart_px.copy(), base.drift_px.copy()
@@ -264,9 +281,11 @@ def _together(
 
 
 def _joints(
-    base: JointEvidence | None, limb: KeyedLimb, own: Sequence[Outcome | None],
+    base: JointEvidence | None,
+    limb: KeyedLimb,
+    own: Sequence[Outcome | None],
     rows: Sequence[slice],
-) -> JointEvidence | None:  # fmt: skip
+) -> JointEvidence | None:
     """Joints that the limb carries as they are now; where it was set right nothing is in doubt."""
     if base is None:
         return None

@@ -46,9 +46,13 @@ class KeyedParts:
 
     @classmethod
     def of(
-        cls, skeleton: Skeleton, frame: int, parts: Sequence[str], pose: Pose,
+        cls,
+        skeleton: Skeleton,
+        frame: int,
+        parts: Sequence[str],
+        pose: Pose,
         telephoto: bool = False,
-    ) -> KeyedParts:  # fmt: skip
+    ) -> KeyedParts:
         """Key parts by their names."""
         named = [skeleton.body.index(name) for name in parts]
         below = np.flatnonzero(skeleton.below[:, named].any(axis=1))
@@ -127,9 +131,14 @@ def with_exact_ends(skeleton: Skeleton, keyed: KeyedParts, solved: Pose) -> Pose
 
 
 def _reached(
-    skeleton: Skeleton, keyed: KeyedParts, pose: Pose, there: Array, tops: Sequence[int],
-    *, ends_alone: bool = False,
-) -> Pose:  # fmt: skip
+    skeleton: Skeleton,
+    keyed: KeyedParts,
+    pose: Pose,
+    there: Array,
+    tops: Sequence[int],
+    *,
+    ends_alone: bool = False,
+) -> Pose:
     """Put the last joints of moved limbs where they were, and turn their last parts as they were.
     ends_alone: those between are where the pose has them, else about where they were.
     """

@@ -98,9 +98,13 @@ class _Runner:
 
 
 def follow_point(
-    key: Patch, uv: Array, pictures: Sequence[FloatPicture], shown: Sequence[GreyPicture],
-    base: BaseCourse, reach: int,
-) -> Course:  # fmt: skip
+    key: Patch,
+    uv: Array,
+    pictures: Sequence[FloatPicture],
+    shown: Sequence[GreyPicture],
+    base: BaseCourse,
+    reach: int,
+) -> Course:
     """Follow the middle of a patch from the first of these pictures on.
 
     It is expected to move on as it last did, or while it is hidden as the base does. After too long
@@ -199,9 +203,7 @@ def combine_courses(forward: Course, backward: Course, offset: Array) -> tuple[A
     gap = np.nan_to_num(backward.uv - forward.uv - offset, nan=np.inf)  # also where one is missing
     apart = np.hypot(gap[:, 0], gap[:, 1])
     agreed = apart <= AGREED_PX
-    sigma = np.stack([
-        _sigmas(forward, agreed), _sigmas(backward.reversed(), agreed[::-1])[::-1]
-    ])  # fmt: skip
+    sigma = np.stack([_sigmas(forward, agreed), _sigmas(backward.reversed(), agreed[::-1])[::-1]])
     two = np.isfinite(sigma).all(axis=0)
     sigma = np.hypot(sigma, np.where(two, DISAGREED * np.where(two, apart, 0.0), 0.0))
     sigma[:, two & (apart > APART_PX)] = np.inf

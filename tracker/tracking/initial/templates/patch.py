@@ -48,9 +48,12 @@ class Rotatable:
         warp = np.column_stack([back, self.uv - back @ (middle, middle)])
         flags = cv2.WARP_INVERSE_MAP | cv2.INTER_LINEAR
         grey = cv2.warpAffine(
-            np.ascontiguousarray(self.picture[..., 0]), warp, (side, side), flags=flags,
+            np.ascontiguousarray(self.picture[..., 0]),
+            warp,
+            (side, side),
+            flags=flags,
             borderMode=cv2.BORDER_REPLICATE,
-        )  # fmt: skip
+        )
         counts = ((self.picture[..., 3] == USABLE) & self.wanted).astype(np.float32)
         counts = cv2.warpAffine(counts, warp, (side, side), flags=flags)
         piece = np.zeros((side, side, 4), np.float32)
@@ -110,9 +113,12 @@ class Patch:
 
     @classmethod
     def cut(
-        cls, picture: FloatPicture, place: Place, half: int,
+        cls,
+        picture: FloatPicture,
+        place: Place,
+        half: int,
         counts: NDArray[np.bool_],
-    ) -> Patch | None:  # fmt: skip
+    ) -> Patch | None:
         """What lies about a place of a picture, turned upright; None where too little
         counts.
 
@@ -149,9 +155,15 @@ class Patch:
         """Its place to a fraction of a pixel, from a start at most a few pixels away."""
         at, spread = np.array(place, np.float64), np.empty(2)
         alike = settle(
-            picture, self.xy, self.values, at, PATCH_GREY2 / PATCH_STRAY**2, self.soft, SOLVES,
+            picture,
+            self.xy,
+            self.values,
+            at,
+            PATCH_GREY2 / PATCH_STRAY**2,
+            self.soft,
+            SOLVES,
             spread,
-        )  # fmt: skip
+        )
         u, v, turn, scale = at.tolist()
         place = (u, v, turn, scale)
         sigma = float(np.sqrt(PATCH_GREY2 * spread.mean()))

@@ -93,9 +93,15 @@ def find_match(template: Template, shown: GreyPicture, uv: Array, reach: int) ->
     """Where a template fits best within `reach` pixels of a predicted place."""
     column, row = np.rint(np.asarray(uv) - template.offset).astype(int)
     v, u, total, _ = find_sequentially(
-        shown.grey, template.grey, template.wanted, template.rows,
-        row, column, outwards(reach), MOST,
-    )  # fmt: skip
+        shown.grey,
+        template.grey,
+        template.wanted,
+        template.rows,
+        row,
+        column,
+        outwards(reach),
+        MOST,
+    )
     place = (float(u + template.offset[0]), float(v + template.offset[1]))
     return Match(place, float(total / template.pixels))
 

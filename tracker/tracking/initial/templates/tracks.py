@@ -294,8 +294,10 @@ def limb_tracks(
     return LimbTracks(
         np.array([anchor.part for anchor in anchors], np.int64),
         np.array([anchor.p_part for anchor in anchors]).reshape(-1, 3),
-        uv, sigma, tuple(notes),
-    )  # fmt: skip
+        uv,
+        sigma,
+        tuple(notes),
+    )
 
 
 @dataclass(frozen=True, eq=False)
