@@ -4,6 +4,8 @@
 PYTHON ?= python3
 KEYPOSE = .venv/bin/keypose
 NODE_TOOLS = tests/page/node_modules
+# The page's scripts and their tests, but what others wrote, and what is written from the orders.
+SCRIPTS = 'static/**/*.js' 'tests/page/*.js' '!static/vendor/**' '!static/store/orders.js'
 
 .PHONY: run test browser loops check check-types check-rest bench clean
 .DEFAULT_GOAL := run
@@ -49,10 +51,11 @@ check-rest:
 	@if node -e 'process.exit(parseInt(process.version.slice(1)) < 18 ? 1 : 0)' 2> /dev/null && command -v npm > /dev/null; then \
 	    $(MAKE) --silent --no-print-directory $(NODE_TOOLS)/.ready && \
 	    $(NODE_TOOLS)/.bin/eslint --config tests/page/eslint.config.js --max-warnings 0 static tests/page && \
+	    $(NODE_TOOLS)/.bin/prettier --config tests/page/prettier.json --log-level warn --check $(SCRIPTS) && \
 	    $(NODE_TOOLS)/.bin/tsc --project tests/page && \
 	    $(NODE_TOOLS)/.bin/tsc --project tests/page/tsconfig.strict.json; \
 	else \
-	    echo "There is no Node 18 or newer with npm: eslint and tsc are skipped."; \
+	    echo "There is no Node 18 or newer with npm: eslint, prettier and tsc are skipped."; \
 	fi
 
 bench: .venv/.ready-dev
@@ -66,7 +69,7 @@ clean:
 
 # What checks the page's JavaScript; the page itself is served as it is written.
 $(NODE_TOOLS)/.ready: tests/page/package.json tests/page/package-lock.json
-	@echo "Installing eslint and tsc into $(NODE_TOOLS) …"
+	@echo "Installing eslint, prettier and tsc into $(NODE_TOOLS) …"
 	@npm ci --prefix tests/page --ignore-scripts --loglevel=error > /dev/null
 	@touch $@
 

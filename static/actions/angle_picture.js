@@ -20,10 +20,16 @@ export function ticksOf(low, high, steps, most) {
   return ticks;
 }
 
-/** The lowest and the highest value of all sides, with what they may be off by, and some air between them. @param {JointAngle} shown @returns {[number, number]} */
+/**
+ * The lowest and the highest value of all sides, with what they may be off by, and some air between them.
+ * @param {JointAngle} shown
+ * @returns {[number, number]}
+ */
 export function angleRange({ sides }) {
   const off = (side, at) => side.errors?.[at] ?? 0;
-  const values = sides.flatMap((side) => side.values.flatMap((value, at) => (value === null ? [] : [value - off(side, at), value + off(side, at)])));
+  const values = sides.flatMap((side) =>
+    side.values.flatMap((value, at) => (value === null ? [] : [value - off(side, at), value + off(side, at)])),
+  );
   const [low, high] = [Math.min(...values), Math.max(...values)];
   const air = Math.max(0.08 * (high - low), (10 - (high - low)) / 2);
   return [low - air, high + air];
@@ -75,7 +81,9 @@ function grid(pen, { x, y, low, high, from, to }) {
     pen.fillText(`${value}°`, ROOM.left - 14, y(value));
   }
   pen.textAlign = 'center';
-  for (const seconds of ticksOf(from, to, SECONDS, 12)) pen.fillText(`${seconds} s`, x(seconds), HEIGHT - ROOM.bottom + 34);
+  for (const seconds of ticksOf(from, to, SECONDS, 12)) {
+    pen.fillText(`${seconds} s`, x(seconds), HEIGHT - ROOM.bottom + 34);
+  }
 }
 
 function title(pen, { label, positive, negative, sides }) {

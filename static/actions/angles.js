@@ -45,9 +45,15 @@ export function extremes(values) {
   return low && high && { low, high };
 }
 
-/** First and last frame at which any side has a value; null without. @param {JointAngle} shown @returns {[number, number] | null} */
+/**
+ * First and last frame at which any side has a value; null without.
+ * @param {JointAngle} shown
+ * @returns {[number, number] | null}
+ */
 export function framesWithAngle({ sides }) {
-  const known = sides.flatMap(({ values }) => [values.findIndex((v) => v !== null), values.findLastIndex((v) => v !== null)]).filter((frame) => frame >= 0);
+  const known = sides
+    .flatMap(({ values }) => [values.findIndex((v) => v !== null), values.findLastIndex((v) => v !== null)])
+    .filter((frame) => frame >= 0);
   return known.length ? [Math.min(...known), Math.max(...known)] : null;
 }
 

@@ -12,8 +12,12 @@ import { iconOf, isOn, keyOf, labelOf, perform, titleOf, whyNot } from './action
  */
 export function menuItem(id, about = undefined, looks = {}) {
   return {
-    icon: iconOf(id, about), label: labelOf(id, about), right: keyOf(id), off: whyNot(id, about),
-    checked: isOn(id, about), run: (...more) => perform(id, ...(about === undefined ? more : [about, ...more])),
+    icon: iconOf(id, about),
+    label: labelOf(id, about),
+    right: keyOf(id),
+    off: whyNot(id, about),
+    checked: isOn(id, about),
+    run: (...more) => perform(id, ...(about === undefined ? more : [about, ...more])),
     ...looks,
   };
 }
@@ -24,7 +28,11 @@ export function menuItem(id, about = undefined, looks = {}) {
  */
 export function actionIcon(id, about = undefined, looks = {}) {
   return iconButton({
-    ...faceOf(id, about), name: iconOf(id, about), pressed: isOn(id, about), action: id, ...looks,
+    ...faceOf(id, about),
+    name: iconOf(id, about),
+    pressed: isOn(id, about),
+    action: id,
+    ...looks,
   });
 }
 
@@ -46,7 +54,10 @@ export function actionBox(id, about = undefined, looks = {}) {
 
 function faceOf(id, about) {
   return {
-    label: labelOf(id, about), title: titleOf(id, about), key: keyOf(id), off: whyNot(id, about),
+    label: labelOf(id, about),
+    title: titleOf(id, about),
+    key: keyOf(id),
+    off: whyNot(id, about),
     act: () => perform(id, about),
   };
 }

@@ -24,7 +24,7 @@ export const standsStill = () => server.settings?.static_camera ?? server.settin
 const doesMove = () => (server.settings?.static_camera ?? server.settings?.found_still) === false;
 
 /** How it moves, as far as that is known. @returns {CameraKind | null} */
-export const cameraKind = () => (standsStill() ? 'static' : motion()?.kind ?? null);
+export const cameraKind = () => (standsStill() ? 'static' : (motion()?.kind ?? null));
 
 /** What is known, in one line. */
 export function cameraWords() {
@@ -46,7 +46,10 @@ export function whyNotFindCamera() {
   return isFindingCamera() ? 'It is being found' : '';
 }
 
-/** Say how it moves: that it stands still counts at once, a motion that is there as well, another is found. @param {CameraKind} kind */
+/**
+ * Say how it moves: that it stands still counts at once, a motion that is there as well, another is found.
+ * @param {CameraKind} kind
+ */
 export function setCameraKind(kind) {
   if (kind === 'static') send({ do: 'settings', static_camera: true });
   else if (server.camera_motion?.kind === kind) send({ do: 'settings', static_camera: false });

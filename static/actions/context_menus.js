@@ -29,13 +29,25 @@ export const CONTEXTS = {
       ['saveImage', 'copyImage'],
     ],
   },
-  free: { title: 'the free view', groups: [['addKeyframe', 'deleteKeyframe', 'copyPose', 'pastePose', 'note'], ['ghosts', 'trail']] },
+  free: {
+    title: 'the free view',
+    groups: [
+      ['addKeyframe', 'deleteKeyframe', 'copyPose', 'pastePose', 'note'],
+      ['ghosts', 'trail'],
+    ],
+  },
   freePart: { title: 'a part', groups: [['turnInDepth', 'resetPart', 'otherSide']] },
   eye: { title: 'the free view', groups: [['fitView']] },
   keyframe: { title: 'a keyframe', groups: [['copyKeyHere', 'note']] },
   partKeyframe: { title: 'a part keyframe', groups: [['note']] },
   segment: { title: 'a segment', groups: [['trackChanged', 'reduce', 'nextProblem', 'review'], ['note']] },
-  frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged', 'reduce']] },
+  frames: {
+    title: 'the timeline',
+    groups: [
+      ['goTo', 'note'],
+      ['zoomToInterval', 'lanes', 'trackChanged', 'reduce'],
+    ],
+  },
   note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },
 };
 
@@ -53,7 +65,9 @@ const FITS = {
  * @param {Partial<Record<ActionId, unknown>>} about
  */
 export function contextEntries(name, about = {}) {
-  const groups = CONTEXTS[name].groups.map((ids) => ids.filter((id) => FITS[id]?.(about[id]) ?? true)).filter((ids) => ids.length);
+  const groups = CONTEXTS[name].groups
+    .map((ids) => ids.filter((id) => FITS[id]?.(about[id]) ?? true))
+    .filter((ids) => ids.length);
   return groups.flatMap((ids, i) => [...(i > 0 ? [line] : []), ...ids.map((id) => entry(id, about[id]))]);
 }
 
@@ -67,5 +81,10 @@ function entry(id, about) {
 }
 
 /** The menus an action is in: ["a part", "the picture"]. */
-export const menusWith = (id) =>
-  [...new Set(Object.values(CONTEXTS).filter(({ groups }) => groups.flat().includes(id)).map(({ title }) => title))];
+export const menusWith = (id) => [
+  ...new Set(
+    Object.values(CONTEXTS)
+      .filter(({ groups }) => groups.flat().includes(id))
+      .map(({ title }) => title),
+  ),
+];

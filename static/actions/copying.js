@@ -51,14 +51,20 @@ export function freeName(poses = keptPoses()) {
 }
 
 /** A name as it is kept; null where nothing is left of it. */
-const readableName = (text) => text.replace(/\p{Cc}/gu, ' ').trim().slice(0, LONGEST) || null;
+const readableName = (text) =>
+  text
+    .replace(/\p{Cc}/gu, ' ')
+    .trim()
+    .slice(0, LONGEST) || null;
 
-export const whyNotKeep = () => (keptPoses().length >= MOST ? `The library holds ${MOST} poses. Delete some first` : '');
+export const whyNotKeep = () =>
+  keptPoses().length >= MOST ? `The library holds ${MOST} poses. Delete some first` : '';
 
 export const keepMessage = () => ({ do: 'keep_pose', name: freeName() });
 
 /** @param {KeptPose | undefined} pose */
-export const whyNotInsert = (pose) => (pose && !pose.fits ? `This pose is of another body, ${pose.body}, without a part of this one` : '');
+export const whyNotInsert = (pose) =>
+  pose && !pose.fits ? `This pose is of another body, ${pose.body}, without a part of this one` : '';
 
 /** @param {KeptPose | undefined} pose */
 export const insertTitle = (pose) => `Insert ${pose?.name ?? 'the pose'} at frame ${frame()}, where the body stands`;
@@ -96,7 +102,8 @@ const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
 
 export const nothingCopied = () => (server.clipboard || canRead() ? '' : 'Copy a pose first (Ctrl C)');
 
-export const whyNotCopy = () => (selectedKeys().length > MOST_KEYS ? `At most ${MOST_KEYS} keyframes can be copied at a time` : '');
+export const whyNotCopy = () =>
+  selectedKeys().length > MOST_KEYS ? `At most ${MOST_KEYS} keyframes can be copied at a time` : '';
 
 /** Copy the selected keyframes, or the pose at this frame. */
 export async function copy() {
@@ -150,11 +157,18 @@ function paste(copied, how) {
     selectKeys(frames);
   };
   if (!taken.length) return go();
-  const words = taken.length === 1 ? `Frame ${taken[0]} is already a keyframe.` : `Frames ${listed(taken)} are already keyframes.`;
+  const words =
+    taken.length === 1 ? `Frame ${taken[0]} is already a keyframe.` : `Frames ${listed(taken)} are already keyframes.`;
   const at = frame();
   return toast({
-    kind: 'check', words, detail: 'Nothing was pasted.', brief: true,
-    button: { label: taken.length === 1 ? 'Replace it' : 'Replace them', run: () => (frame() === at ? go({ replace: true }) : paste(copied, how)) },
+    kind: 'check',
+    words,
+    detail: 'Nothing was pasted.',
+    brief: true,
+    button: {
+      label: taken.length === 1 ? 'Replace it' : 'Replace them',
+      run: () => (frame() === at ? go({ replace: true }) : paste(copied, how)),
+    },
   });
 }
 

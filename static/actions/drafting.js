@@ -25,10 +25,15 @@ function whyNotDrafting() {
 /** The box lies on the frame of the playhead, which has to be one of those to draft. */
 function whyNotHere() {
   const [first, last] = draftRange();
-  return first <= frame() && frame() <= last ? '' : `The box must lie on one of the frames to draft, ${range(first, last)}`;
+  return first <= frame() && frame() <= last
+    ? ''
+    : `The box must lie on one of the frames to draft, ${range(first, last)}`;
 }
 
-/** First and last frame to draft: as chosen, else between the in and the out point, else all. @returns {[number, number]} */
+/**
+ * First and last frame to draft: as chosen, else between the in and the out point, else all.
+ * @returns {[number, number]}
+ */
 export const draftRange = () => ui.draftRange ?? usualRange();
 
 const usualRange = () => chosenFrames() ?? [0, lastFrame()];
@@ -132,14 +137,18 @@ export function nobodyWords() {
   const runs = server.draft?.missing ?? [];
   if (runs.length === 0) return '';
   const named = [...runs].sort((one, other) => length(other) - length(one)).slice(0, PLACES_NAMED);
-  const frames = runs.filter((run) => named.includes(run)).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
+  const frames = runs
+    .filter((run) => named.includes(run))
+    .map(([first, last]) => (first === last ? `${first}` : range(first, last)));
   const isOne = runs.length === 1 && length(runs[0]) === 0;
   return `No person found in ${isOne ? 'frame' : 'frames'} ${listed(frames, runs.length - frames.length)}.`;
 }
 
 /** "The person may change at 96 and 140.": where two people cross; or ''. */
 export function personWords() {
-  const at = placesToConfirm().filter((place) => place.reason === 'person').map((place) => String(place.frame));
+  const at = placesToConfirm()
+    .filter((place) => place.reason === 'person')
+    .map((place) => String(place.frame));
   const named = at.slice(0, PLACES_NAMED);
   return at.length === 0 ? '' : `The person may change at ${listed(named, at.length - named.length)}.`;
 }

@@ -163,15 +163,20 @@ export function furtherOf({ what, format }) {
     size: { options: [own, ...SIZES.map((id) => ({ id, label: id.replace('x', ' × ') }))] },
   };
   if (what === 'pictures') {
-    further.frames = { options: [
-      { id: 'this', label: `Frame ${frame()}` }, { id: 'keyframes', label: `All ${count(keys, 'keyframe')}` }, { id: 'posed', label: 'Every frame' },
-    ] };
+    further.frames = {
+      options: [
+        { id: 'this', label: `Frame ${frame()}` },
+        { id: 'keyframes', label: `All ${count(keys, 'keyframe')}` },
+        { id: 'posed', label: 'Every frame' },
+      ],
+    };
   }
   for (const { name, only, persons, options: choices = [] } of EXPORTS[what]) {
     if (!only) continue;
     const off = persons && !server.body?.is_persons ? 'Only a person has these' : '';
     further[name] = {
-      out: format !== 'all' && !only.includes(format), note: format === 'all' ? `of ${joined(only.map((one) => FORMATS[one].label))}` : '',
+      out: format !== 'all' && !only.includes(format),
+      note: format === 'all' ? `of ${joined(only.map((one) => FORMATS[one].label))}` : '',
       options: choices.map((one, i) => (i && off ? { ...one, off } : one)),
     };
   }
@@ -195,7 +200,10 @@ export function exportOrder(exporting, eye = viewNamed('free')?.state) {
   return { what, ...painted(), ...order, ...seenFrom(order.view, eye, 'camera'), ...frames };
 }
 
-/** A view as the server names it: the free view is a camera that stands where it looks from. @returns {Record<string, string>} */
+/**
+ * A view as the server names it: the free view is a camera that stands where it looks from.
+ * @returns {Record<string, string>}
+ */
 function seenFrom(view, eye, kind) {
   if (view !== 'free') return view ? { view } : {};
   const { azimuth, elevation } = eye;
@@ -213,7 +221,8 @@ function painted() {
 }
 
 /** The address of the motion that is chosen. @param {Exporting} exporting */
-export const motionAddress = (exporting) => `/motion?${new URLSearchParams({ format: exporting.format, ...exportOrder(exporting) })}`;
+export const motionAddress = (exporting) =>
+  `/motion?${new URLSearchParams({ format: exporting.format, ...exportOrder(exporting) })}`;
 
 /**
  * What is wrong with what is chosen, a sentence, or ''.
@@ -268,7 +277,11 @@ export async function beginExport() {
     ({ id } = await response.json());
     if (!isMine(id)) return void end(id); // cancelled before it had a number
     setUi('exportJob', { ...begun, id });
-    const state = await follow(`/exports/${id}`, () => ui.exportJob?.id === id, ({ done, of }) => setUi('exportJob', { ...begun, id, done, of }));
+    const state = await follow(
+      `/exports/${id}`,
+      () => ui.exportJob?.id === id,
+      ({ done, of }) => setUi('exportJob', { ...begun, id, done, of }),
+    );
     if (state?.state === 'failed') throw new Error(state.words);
     if (state?.state === 'cancelled') finish();
     if (state?.state === 'done') await fetchFile(id, state.words);

@@ -3,7 +3,9 @@
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 
-/** @typedef {{ heading: string } | { label: string, time: string, done: number, state: 'done' | 'here' | 'undone' }} Row */
+/**
+ * @typedef {{ heading: string } | { label: string, time: string, done: number, state: 'done' | 'here' | 'undone' }} Row
+ */
 
 /** Go to where so many steps are done, as one move. */
 export function goToStep(done) {

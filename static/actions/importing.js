@@ -67,7 +67,10 @@ export async function importFile(file) {
   }
   const name = file.name;
   if (file.size > LARGEST) {
-    toast({ kind: 'check', words: `${name} is too large to import. It has ${bytes(file.size)}, ${bytes(LARGEST)} are allowed.` });
+    toast({
+      kind: 'check',
+      words: `${name} is too large to import. It has ${bytes(file.size)}, ${bytes(LARGEST)} are allowed.`,
+    });
     return;
   }
   /** @type {Importing} */
@@ -128,11 +131,18 @@ export function optionsOf({ kind, facts }) {
     further.every = { empty: String(facts.every) };
   }
   if (kind === 'motion') {
-    const label = (name, id) => options.find((one) => one.name === name)?.options?.find((one) => one.id === id)?.label.toLowerCase();
+    const label = (name, id) =>
+      options
+        .find((one) => one.name === name)
+        ?.options?.find((one) => one.id === id)
+        ?.label.toLowerCase();
     const said = (name, id) => (id ? { empty: `As the file says: ${label(name, id)}` } : {});
     further.fps = facts.fps ? { empty: String(Number(facts.fps.toFixed(2))) } : {};
     further.unit = said('unit', facts.unit);
-    further.world = { ...said('world', facts.world?.replace(' ', '-')), ...(facts.keyframes ? { note: 'Keyframes decide' } : {}) };
+    further.world = {
+      ...said('world', facts.world?.replace(' ', '-')),
+      ...(facts.keyframes ? { note: 'Keyframes decide' } : {}),
+    };
   }
   return { options, further };
 }
@@ -151,7 +161,10 @@ export function importOrder(found, choices) {
  */
 export function whyNotBegin(found, choices, count) {
   const { options, further } = optionsOf(found);
-  const both = choices.every && choices.frames ? 'Drafts are every so many frames or at the frames that are listed: leave one empty.' : '';
+  const both =
+    choices.every && choices.frames
+      ? 'Drafts are every so many frames or at the frames that are listed: leave one empty.'
+      : '';
   return whyNotOrder(options, choices, count, further) || both;
 }
 
@@ -161,11 +174,17 @@ export function whyNotBegin(found, choices, count) {
  */
 export function placesOfBody(parts) {
   const hasChild = new Set(parts.map(({ parent }) => parent));
-  return parts.flatMap(({ name, label, landmarks }) => [
-    { id: name, label, group: 'Joints' },
-    ...(hasChild.has(name) ? [] : [{ id: `${name}.end`, label: `${label}, end`, group: 'Ends' }]),
-    ...landmarks.map((mark) => ({ id: `${name}.${mark}`, label: capitalised(mark.replaceAll('_', ' ')), group: 'Points' })),
-  ]).sort((a, b) => GROUPS.indexOf(a.group) - GROUPS.indexOf(b.group));
+  return parts
+    .flatMap(({ name, label, landmarks }) => [
+      { id: name, label, group: 'Joints' },
+      ...(hasChild.has(name) ? [] : [{ id: `${name}.end`, label: `${label}, end`, group: 'Ends' }]),
+      ...landmarks.map((mark) => ({
+        id: `${name}.${mark}`,
+        label: capitalised(mark.replaceAll('_', ' ')),
+        group: 'Points',
+      })),
+    ])
+    .sort((a, b) => GROUPS.indexOf(a.group) - GROUPS.indexOf(b.group));
 }
 
 const GROUPS = ['Joints', 'Ends', 'Points'];
@@ -188,7 +207,11 @@ function fail(words) {
 
 /** Look how far it is until the stage is over. */
 async function followStage(id) {
-  const state = await follow(addressOf(id), () => isShown(id), ({ done, of }) => show({ ...ui.importing, done, of }));
+  const state = await follow(
+    addressOf(id),
+    () => isShown(id),
+    ({ done, of }) => show({ ...ui.importing, done, of }),
+  );
   if (state) takeIn(state);
 }
 
@@ -202,13 +225,19 @@ const REDUCE = { button: { label: 'Reduce to keyframes…', run: beginReduction 
 
 function takeIn(state) {
   if (state.state !== 'done') fail(state.words);
-  else if (state.stage === 'reading') show({ ...ui.importing, stage: 'choosing', found: state.found, choices: usualOf(IMPORTS[state.found.kind]) });
-  else {
+  else if (state.stage === 'reading') {
+    show({ ...ui.importing, stage: 'choosing', found: state.found, choices: usualOf(IMPORTS[state.found.kind]) });
+  } else {
     const { id, found } = ui.importing;
     setUi('importing', null);
     leave(addressOf(id));
     const read = state.doubtful ? { button: { label: 'OK', run: () => {} } } : {}; // a doubt stays until it is read
     const offer = found?.kind === 'motion' && !isPosed() ? { ...REDUCE, brief: !state.doubtful } : read;
-    toast({ kind: state.doubtful ? 'check' : 'good', words: state.words, ...(state.detail ? { detail: state.detail } : {}), ...offer });
+    toast({
+      kind: state.doubtful ? 'check' : 'good',
+      words: state.words,
+      ...(state.detail ? { detail: state.detail } : {}),
+      ...offer,
+    });
   }
 }

@@ -34,7 +34,8 @@ export function sayDeleted(n, words) {
   toast({ kind: 'info', words, button: { label: 'Undo', run: () => bringBack(n) }, brief: true, edit: n });
 }
 
-export const whyNotDelete = (at = frame()) => (isKey(at) || partKeyAt(at) || draftFrames().includes(at) ? '' : `Frame ${at} is not a keyframe`);
+export const whyNotDelete = (at = frame()) =>
+  isKey(at) || partKeyAt(at) || draftFrames().includes(at) ? '' : `Frame ${at} is not a keyframe`;
 
 function bringBack(n) {
   if (isNewest(n)) send({ do: 'undo' });
@@ -78,9 +79,7 @@ export const whyNoNote = (at = frame()) => (noteAt(at) ? '' : `Frame ${at} has n
 /** The note before (−1) or after (+1) the playhead. */
 export function noteBeside(way) {
   const here = frame();
-  return way < 0
-    ? allNotes().findLast((note) => note.frame < here)
-    : allNotes().find((note) => note.frame > here);
+  return way < 0 ? allNotes().findLast((note) => note.frame < here) : allNotes().find((note) => note.frame > here);
 }
 
 export function noNote(way) {

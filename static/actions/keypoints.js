@@ -13,7 +13,7 @@ export const FEW = 5;
 
 /** Those of the frame of the playhead. @returns {Keypoint[]} */
 export const keypointsHere = () =>
-  server.keypoints?.frame === server.view?.frame ? server.keypoints?.points ?? [] : [];
+  server.keypoints?.frame === server.view?.frame ? (server.keypoints?.points ?? []) : [];
 
 /** Whether they are drawn: as chosen, else while one works at tracking. */
 export const ringsAreShown = () => ui.rings ?? ui.tab === 'track';
@@ -59,7 +59,19 @@ export const correction = (point, frame, at) => ({ do: 'correct_keypoint', frame
 export function keypointActions({ joint, state }, frame) {
   const act = (what) => () => send({ do: what, frame, joint });
   return [
-    { icon: 'reset', label: 'Put back', title: 'Where the detector found it', off: state === 'found' ? 'It is as it was found' : '', run: act('restore_keypoint') },
-    { icon: 'x', label: 'Ignore here', title: 'It does not count in this frame', off: state === 'ignored' ? 'Ignored already' : '', run: act('ignore_keypoint') },
+    {
+      icon: 'reset',
+      label: 'Put back',
+      title: 'Where the detector found it',
+      off: state === 'found' ? 'It is as it was found' : '',
+      run: act('restore_keypoint'),
+    },
+    {
+      icon: 'x',
+      label: 'Ignore here',
+      title: 'It does not count in this frame',
+      off: state === 'ignored' ? 'Ignored already' : '',
+      run: act('ignore_keypoint'),
+    },
   ];
 }

@@ -64,8 +64,16 @@ export function keepLens() {
 
 /** The focal length as a number that is dragged or typed: for a field or a slider. */
 export const focalSpec = () => ({
-  key: 'lens', label: '35 mm equivalent', value: server.camera.focal_mm, unit: 'mm', decimals: 0,
-  step: 1, coarse: 10, min: 4, max: 2000, edit: (mm) => ({ do: 'lens', mm: rounded(mm) }),
+  key: 'lens',
+  label: '35 mm equivalent',
+  value: server.camera.focal_mm,
+  unit: 'mm',
+  decimals: 0,
+  step: 1,
+  coarse: 10,
+  min: 4,
+  max: 2000,
+  edit: (mm) => ({ do: 'lens', mm: rounded(mm) }),
   title: 'The focal length that shows as much on 35 mm film',
 });
 
@@ -86,8 +94,11 @@ export function sourceWords() {
   const { lens_source: source, lens_is_guess: isGuess, depth_share: share } = server.camera;
   if (isGuess) return `A guess. Distances rest on it: ± ${Math.round(100 * share)} %.`;
   const words = {
-    file: `From the file: ${fileWords()}`, person: 'As you set it.', calibration: 'From a calibration.',
-    fitted: 'Fitted to the keyframes.', turns: 'Estimated from how the camera moves.',
+    file: `From the file: ${fileWords()}`,
+    person: 'As you set it.',
+    calibration: 'From a calibration.',
+    fitted: 'Fitted to the keyframes.',
+    turns: 'Estimated from how the camera moves.',
   };
   return words[source] ?? '';
 }

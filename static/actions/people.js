@@ -1,4 +1,5 @@
-// The people whom the program finds in the picture on which a box is to be drawn: asked for once a frame, behind all else;
+// The people whom the program finds in the picture on which a box is to be drawn: asked for once a frame, behind
+// all else;
 // which of them is meant.
 
 import { send } from '../store/link.js';
@@ -51,7 +52,7 @@ function ask() {
 export const isLooking = () => isOpen() && !isKnown() && asked === here();
 
 /** Boxes around those in the present picture, the tallest first; none once a box is drawn. @returns {Box[]} */
-export const peopleHere = () => (isOpen() && isKnown() ? server.people?.boxes ?? NONE : NONE);
+export const peopleHere = () => (isOpen() && isKnown() ? (server.people?.boxes ?? NONE) : NONE);
 
 /** Whether somebody was looked for to the end and nobody found. */
 export const isNobodyHere = () => isOpen() && isKnown() && server.people?.boxes?.length === 0;

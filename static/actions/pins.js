@@ -20,7 +20,8 @@ const JERK_CM = 8; // less is not seen as the motion plays
 export const contradictions = () => (server.space ?? []).filter(({ kind, cm }) => kind === 'pin' && cm >= JERK_CM);
 
 /** The keyframes that they contradict. */
-export const contradicted = () => [...new Set(contradictions().flatMap(({ keyframes }) => keyframes))].sort((a, b) => a - b);
+export const contradicted = () =>
+  [...new Set(contradictions().flatMap(({ keyframes }) => keyframes))].sort((a, b) => a - b);
 
 export const framesOf = ({ first, last }) => range(first, last);
 
@@ -38,8 +39,7 @@ export const wholeFoot = (part) =>
 export const isPinAt = ({ first, last }, at) => first <= at && at <= last;
 
 /** The numbers of a part's pins. */
-export const pinsOf = (part) =>
-  allPins().flatMap((pin, index) => (pin.part === part?.name ? [index] : []));
+export const pinsOf = (part) => allPins().flatMap((pin, index) => (pin.part === part?.name ? [index] : []));
 
 /** The number of the part's pin at the playhead, or undefined. */
 export const pinHere = (part = selectedPart()) => pinsOf(part).find((index) => isPinAt(allPins()[index], frame()));
@@ -79,7 +79,12 @@ export function unpin(index = pinHere()) {
   send({ do: 'delete_pin', index });
 }
 
-/** Take the pin away that holds a part over these frames. @param {string} part @param {number} first @param {number} last */
+/**
+ * Take the pin away that holds a part over these frames.
+ * @param {string} part
+ * @param {number} first
+ * @param {number} last
+ */
 export function unpinOver(part, first, last) {
   const index = allPins().findIndex((pin) => pin.part === part && pin.first <= last && pin.last >= first);
   if (index >= 0) unpin(index);
@@ -98,9 +103,10 @@ export function endPin(part = selectedPart()) {
 /** Put a hand or a foot on the floor; where nobody knows how high that is, ask first. */
 export function pinToFloor(part = selectedPart()) {
   const here = pinHere(part);
-  const message = here === undefined
-    ? { do: 'set_pin', part: part.name, frame: frame(), floor: true }
-    : { do: 'change_pin', index: here, floor: true };
+  const message =
+    here === undefined
+      ? { do: 'set_pin', part: part.name, frame: frame(), floor: true }
+      : { do: 'change_pin', index: here, floor: true };
   onFloor(message, part);
 }
 
@@ -136,7 +142,8 @@ export function pinTitle(part) {
 export const isSoft = (at = frame()) => Boolean(server.keys?.soft?.includes(at));
 
 /** Exact keyframes within a pin. @param {Pin} pin */
-export const exactWithin = ({ first, last }) => (server.keys?.frames ?? []).filter((at) => first <= at && at <= last && !isSoft(at));
+export const exactWithin = ({ first, last }) =>
+  (server.keys?.frames ?? []).filter((at) => first <= at && at <= last && !isSoft(at));
 
 /** A soft keyframe's own pose, as a ghost beside the motion that passes it. */
 export function showOwnPose(at = frame()) {

@@ -53,7 +53,8 @@ export const isReducing = () => Boolean(server.reduction);
 /** Why there is nothing to reduce, or ''. */
 export function whyNotReduce() {
   if (isSurface()) return 'Only the motion of a video is reduced';
-  const isThere = (server.segments ?? []).some(isTracked) || server.keys?.drafts.length > 1 || server.settings?.imported;
+  const isThere =
+    (server.segments ?? []).some(isTracked) || server.keys?.drafts.length > 1 || server.settings?.imported;
   return isThere ? '' : 'Track, draft or import a motion first';
 }
 

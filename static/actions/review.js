@@ -9,7 +9,17 @@ import { isPictureOf, view } from '../views/views.js';
 import { toast } from '../controls/toasts.js';
 import { frame, goTo, isKey, stopPlaying } from './playhead.js';
 import {
-  answered, answerOf, currentRow, listOf, openRows, pauseLeft, placesAbove, presentPlace, ranked, turned, withUndone,
+  answered,
+  answerOf,
+  currentRow,
+  listOf,
+  openRows,
+  pauseLeft,
+  placesAbove,
+  presentPlace,
+  ranked,
+  turned,
+  withUndone,
 } from './review_list.js';
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
@@ -120,7 +130,11 @@ export function answer(given) {
 
 /** What was drafted, tracked or deleted meanwhile leaves nothing to answer. */
 function passGone(row) {
-  toast({ kind: 'info', words: `Nothing is left to review at frame ${row.frame}.`, detail: 'It has changed since. The list is up to date again.' });
+  toast({
+    kind: 'info',
+    words: `Nothing is left to review at frame ${row.frame}.`,
+    detail: 'It has changed since. The list is up to date again.',
+  });
   turn(1);
 }
 
@@ -231,7 +245,9 @@ function putBack() {
 /** The whole body as large as it can be seen, but no nearer than what its crop shows. */
 function zoomTo({ box: [left, top, right, bottom], crop }) {
   const [x, y] = [(left + right) / 2, (top + bottom) / 2];
-  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map((side) => side / BODY_SHARE / 2);
+  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map(
+    (side) => side / BODY_SHARE / 2,
+  );
   const main = view('main');
   main.window.showBox([x - wide, y - high, x + wide, y + high], { ...ROOM, top: belowBars(main.el) });
   main.window.chosen = true;
@@ -270,9 +286,20 @@ export function onReviewKey(chord, event) {
 export function reviewHints() {
   if (!isReviewing() || ui.dragging || ui.tool === 'box') return null;
   if (!place()) return [['Esc', 'close review']];
-  if (isElsewhere()) return [['Enter', `back to frame ${place().frame}`], ['N', 'next'], ['Shift N', 'previous'], ['Esc', 'close review']];
+  if (isElsewhere()) {
+    return [
+      ['Enter', `back to frame ${place().frame}`],
+      ['N', 'next'],
+      ['Shift N', 'previous'],
+      ['Esc', 'close review'],
+    ];
+  }
   return [
-    ['Enter', 'accept'], ['Drag', place().kind === 'draft' ? 'correct' : 'correct, keys this limb only'], ['N', 'next'], ['Shift N', 'previous'],
-    ['Shift Enter', 'cannot tell'], ['Esc', 'close review'],
+    ['Enter', 'accept'],
+    ['Drag', place().kind === 'draft' ? 'correct' : 'correct, keys this limb only'],
+    ['N', 'next'],
+    ['Shift N', 'previous'],
+    ['Shift Enter', 'cannot tell'],
+    ['Esc', 'close review'],
   ];
 }

@@ -127,7 +127,11 @@ export function withUndone(list, places) {
 }
 
 /** @type {[Answer, string][]} */
-const OUTCOMES = [['accepted', 'accepted'], ['corrected', 'corrected'], ['unclear', 'left open']];
+const OUTCOMES = [
+  ['accepted', 'accepted'],
+  ['corrected', 'corrected'],
+  ['unclear', 'left open'],
+];
 
 /** "3 reviewed: 2 accepted, 1 corrected." @param {ReviewList} list */
 export function doneWords({ done }) {

@@ -18,7 +18,12 @@ const LEAST_FOR_SLIP = 4;
 
 /** Lower case, without accents, in words. */
 const wordsIn = (text) =>
-  text.toLowerCase().normalize('NFD').replace(/\p{M}/gu, '').split(/[^\p{L}\p{N}]+/u).filter(Boolean);
+  text
+    .toLowerCase()
+    .normalize('NFD')
+    .replace(/\p{M}/gu, '')
+    .split(/[^\p{L}\p{N}]+/u)
+    .filter(Boolean);
 
 /**
  * How well a query fits, 0 where it does not: every word of it must fit one of a field's words.
@@ -31,7 +36,10 @@ export function fitOf(query, fields) {
   const known = fields.map(({ text, weight }) => ({ words: wordsIn(text), weight }));
   let sum = 0;
   for (const word of wanted) {
-    const best = Math.max(0, ...known.map(({ words, weight }) => weight * Math.max(0, ...words.map((one) => wordFit(word, one)))));
+    const best = Math.max(
+      0,
+      ...known.map(({ words, weight }) => weight * Math.max(0, ...words.map((one) => wordFit(word, one)))),
+    );
     if (best === 0) return 0;
     sum += best;
   }
@@ -93,7 +101,19 @@ function isOneOff(a, b) {
  */
 
 /** These are done to something that is pointed at; what of them one looks for stands elsewhere. */
-const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent', 'pinCorner', 'splitPin', 'copyKeyHere', 'unkeyLimb', 'search', 'insertPose', 'insertMirrored']);
+const NOT_ALONE = new Set([
+  'goTo',
+  'goToStep',
+  'duplicateKeyframe',
+  'openRecent',
+  'pinCorner',
+  'splitPin',
+  'copyKeyHere',
+  'unkeyLimb',
+  'search',
+  'insertPose',
+  'insertMirrored',
+]);
 /** What the others are done to here, where it is not the playhead or what is selected. */
 const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
 const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
@@ -106,19 +126,49 @@ const JOINTS = { thigh: 'hip', shin: 'knee', foot: 'ankle', upper_arm: 'shoulder
 
 /** The settings: where each is, and by what words it is looked for. */
 export const SETTINGS = [
-  { title: 'Rotation of the selected part', tab: 'part', section: 'Rotation', words: 'angle degrees euler bend twist numeric' },
+  {
+    title: 'Rotation of the selected part',
+    tab: 'part',
+    section: 'Rotation',
+    words: 'angle degrees euler bend twist numeric',
+  },
   { title: 'Position of the body', tab: 'part', section: 'Position', words: 'translate coordinates root numeric' },
   { title: 'Size of the selected part', tab: 'part', section: 'Size', words: 'length width radius shape bone' },
   { title: 'Pins of the selected part', tab: 'part', section: 'Pins', words: 'contact plant foot' },
   { title: 'Floor height', tab: 'part', section: 'Floor', words: 'ground plane level' },
-  { title: 'Body preset and height', tab: 'body', section: 'Body', words: 'male female adult elderly actor person figure tall' },
-  { title: 'Parts and sizes', tab: 'body', section: 'Parts', words: 'all sizes proportions lengths limbs table racket tool prop bone' },
-  { title: 'Lens', tab: 'camera', section: 'Lens', words: 'focal length field of view fov zoom mm calibration distortion intrinsics' },
+  {
+    title: 'Body preset and height',
+    tab: 'body',
+    section: 'Body',
+    words: 'male female adult elderly actor person figure tall',
+  },
+  {
+    title: 'Parts and sizes',
+    tab: 'body',
+    section: 'Parts',
+    words: 'all sizes proportions lengths limbs table racket tool prop bone',
+  },
+  {
+    title: 'Lens',
+    tab: 'camera',
+    section: 'Lens',
+    words: 'focal length field of view fov zoom mm calibration distortion intrinsics',
+  },
   { title: 'Up direction', tab: 'camera', section: 'Up direction', words: 'vertical horizon gravity tilt level' },
-  { title: 'Motion of the camera', tab: 'camera', section: 'Motion', words: 'static tripod pan tilt zoom shake handheld moving matchmove stands still' },
+  {
+    title: 'Motion of the camera',
+    tab: 'camera',
+    section: 'Motion',
+    words: 'static tripod pan tilt zoom shake handheld moving matchmove stands still',
+  },
   { title: 'Lens distortion', tab: 'camera', section: 'Distortion', words: 'bent fisheye barrel k1 k2' },
   { title: 'Ignore masks', tab: 'camera', section: 'Ignore masks', words: 'regions mask exclude occlusion matte roto' },
-  { title: 'Recording rate (slow motion)', tab: 'camera', section: 'Video', words: 'frame rate fps frames per second high speed recorded 240 timing' },
+  {
+    title: 'Recording rate (slow motion)',
+    tab: 'camera',
+    section: 'Video',
+    words: 'frame rate fps frames per second high speed recorded 240 timing',
+  },
   { title: 'Deinterlace', tab: 'camera', section: 'Video', words: 'interlaced fields comb lines' },
   { title: 'Cues', tab: 'track', section: 'Cues', words: 'brightness keypoints depth lifting silhouette evidence' },
   { title: 'Method and quality', tab: 'track', section: 'Method', words: 'settings preview full smooth' },
@@ -149,7 +199,10 @@ export function found(query, kind = 'All') {
 }
 
 function withoutQuery(all, recent) {
-  const lately = recent.map((id) => all.find((entry) => entry.id === id)).filter(Boolean).slice(0, MOST_RECENT);
+  const lately = recent
+    .map((id) => all.find((entry) => entry.id === id))
+    .filter(Boolean)
+    .slice(0, MOST_RECENT);
   const actions = all.filter((entry) => entry.kind === 'Action' && !lately.includes(entry));
   return [...lately.map((entry) => ({ ...entry, group: 'Recent' })), ...actions];
 }
@@ -176,73 +229,130 @@ export function allEntries() {
 
 function actionEntries() {
   return GROUPS.flatMap(({ title, actions }) =>
-    Object.keys(actions).filter((id) => !NOT_ALONE.has(id)).map((id) =>
-      actionEntry(/** @type {ActionId} */ (id), title?.() ?? 'File')),
+    Object.keys(actions)
+      .filter((id) => !NOT_ALONE.has(id))
+      .map((id) => actionEntry(/** @type {ActionId} */ (id), title?.() ?? 'File')),
   );
 }
 
 /** @param {ActionId} id */
 function actionEntry(id, group) {
   const { handledBy, keys = [], always } = entryOf(id);
-  const held = HELD[handledBy] ?? (isReviewKeyOutsideReview(handledBy) ? `Start the review first${reviewKey()}` : undefined);
+  const held =
+    HELD[handledBy] ?? (isReviewKeyOutsideReview(handledBy) ? `Start the review first${reviewKey()}` : undefined);
   const needsFile = !server.file && !always && id !== 'openFile' ? 'Open a video first' : '';
   const about = ABOUT[id]?.();
   const nothingThere = about === null ? 'There is no segment here' : '';
   const off = held ?? (needsFile || nothingThere || whyNot(id, about));
-  const title = nothingThere ? 'Zoom to segment' : entryOf(id).alone ?? String(labelOf(id, about));
+  const title = nothingThere ? 'Zoom to segment' : (entryOf(id).alone ?? String(labelOf(id, about)));
   const menus = menusWith(id);
   const tip = nothingThere ? '' : String(titleOf(id, about) ?? '');
   return made({
-    id: `action:${id}`, kind: 'Action', group, title, icon: nothingThere ? 'grow' : iconOf(id, about), off,
-    key: keys.length ? keys.map(spell).join(', ') : '', on: off ? undefined : isOn(id, about),
+    id: `action:${id}`,
+    kind: 'Action',
+    group,
+    title,
+    icon: nothingThere ? 'grow' : iconOf(id, about),
+    off,
+    key: keys.length ? keys.map(spell).join(', ') : '',
+    on: off ? undefined : isOn(id, about),
     more: menus.length ? `In the menu of ${joined(menus.slice(0, MOST_MENUS))}` : '',
-    words: `${group} ${entryOf(id).also ?? ''}`, tip, run: () => perform(id, about),
+    words: `${group} ${entryOf(id).also ?? ''}`,
+    tip,
+    run: () => perform(id, about),
   });
 }
 
 const reviewKey = () => ` (${keyOf('review')})`;
 
 function partEntries() {
-  return (server.body?.parts ?? []).map((part) => made({
-    id: `part:${part.name}`, kind: 'Part', group: 'Parts', title: part.label, side: part.side, off: '',
-    on: server.view?.selected === part.name ? true : undefined, more: 'Select this part',
-    words: `select ${part.name} ${jointOf(part.name)}`, run: () => select(part.name),
-  }));
+  return (server.body?.parts ?? []).map((part) =>
+    made({
+      id: `part:${part.name}`,
+      kind: 'Part',
+      group: 'Parts',
+      title: part.label,
+      side: part.side,
+      off: '',
+      on: server.view?.selected === part.name ? true : undefined,
+      more: 'Select this part',
+      words: `select ${part.name} ${jointOf(part.name)}`,
+      run: () => select(part.name),
+    }),
+  );
 }
 
 const jointOf = (name) => JOINTS[name.replace(/^(left|right)_/, '')] ?? '';
 
 function settingEntries() {
-  const tabs = [['part', 'Part'], ['body', 'Body'], ['camera', 'Camera'], ['track', 'Track']].map(([tab, label]) =>
+  const tabs = [
+    ['part', 'Part'],
+    ['body', 'Body'],
+    ['camera', 'Camera'],
+    ['track', 'Track'],
+  ].map(([tab, label]) =>
     made({
-      id: `tab:${tab}`, kind: 'Tab', group: 'Settings', title: `${label} tab`, icon: 'tabs', off: '', more: 'Inspector',
-      words: 'settings panel inspector properties', run: () => setUi('tab', tab),
-    }));
-  const sections = SETTINGS.map(({ title, tab, section, words }) => made({
-    id: `setting:${tab}:${section}`, kind: 'Setting', group: 'Settings', title, icon: 'tabs', off: '',
-    more: `${tab[0].toUpperCase()}${tab.slice(1)} tab`, words: `settings ${words}`,
-    run: () => {
-      setUi('tab', tab);
-      setUi('seek', section);
-    },
-  }));
+      id: `tab:${tab}`,
+      kind: 'Tab',
+      group: 'Settings',
+      title: `${label} tab`,
+      icon: 'tabs',
+      off: '',
+      more: 'Inspector',
+      words: 'settings panel inspector properties',
+      run: () => setUi('tab', tab),
+    }),
+  );
+  const sections = SETTINGS.map(({ title, tab, section, words }) =>
+    made({
+      id: `setting:${tab}:${section}`,
+      kind: 'Setting',
+      group: 'Settings',
+      title,
+      icon: 'tabs',
+      off: '',
+      more: `${tab[0].toUpperCase()}${tab.slice(1)} tab`,
+      words: `settings ${words}`,
+      run: () => {
+        setUi('tab', tab);
+        setUi('seek', section);
+      },
+    }),
+  );
   return [...tabs, ...sections];
 }
 
 function noteEntries() {
-  return allNotes().map((note) => made({
-    id: `note:${note.frame}`, kind: 'Note', group: 'Notes', title: noteAsOneLine(note, NOTE_LETTERS), icon: 'note', off: '',
-    more: `Frame ${note.frame}`, words: `note notes ${note.frame} ${note.text}`, run: () => toFrame(note.frame),
-  }));
+  return allNotes().map((note) =>
+    made({
+      id: `note:${note.frame}`,
+      kind: 'Note',
+      group: 'Notes',
+      title: noteAsOneLine(note, NOTE_LETTERS),
+      icon: 'note',
+      off: '',
+      more: `Frame ${note.frame}`,
+      words: `note notes ${note.frame} ${note.text}`,
+      run: () => toFrame(note.frame),
+    }),
+  );
 }
 
 function recentFiles() {
   const others = (ui.library?.recents ?? []).filter(({ path, missing }) => path !== server.file?.path && !missing);
-  return others.map((recent) => made({
-    id: `file:${recent.id}`, kind: 'Session', group: 'Recent sessions', title: recent.name, icon: 'film', off: '',
-    more: `${count(recent.keyframes, 'keyframe')} · ${longAgo(recent.opened_at)}`, words: 'open recent session file',
-    run: () => perform('openRecent', recent),
-  }));
+  return others.map((recent) =>
+    made({
+      id: `file:${recent.id}`,
+      kind: 'Session',
+      group: 'Recent sessions',
+      title: recent.name,
+      icon: 'film',
+      off: '',
+      more: `${count(recent.keyframes, 'keyframe')} · ${longAgo(recent.opened_at)}`,
+      words: 'open recent session file',
+      run: () => perform('openRecent', recent),
+    }),
+  );
 }
 
 /** "47", "frame 47", "go to 47". */
@@ -251,10 +361,19 @@ function frameEntries(query) {
   if (digits === undefined || frameCount() === 0) return [];
   const to = Number(digits);
   const off = to > lastFrame() ? `The video has frames 0 to ${lastFrame()}` : '';
-  return [made({
-    id: 'frame', kind: 'Frame', group: 'Frames', title: `Go to frame ${to}`, icon: 'flag', off,
-    more: isKey(to) ? 'Keyframe' : 'Frame', words: '', run: () => toFrame(to),
-  })];
+  return [
+    made({
+      id: 'frame',
+      kind: 'Frame',
+      group: 'Frames',
+      title: `Go to frame ${to}`,
+      icon: 'flag',
+      off,
+      more: isKey(to) ? 'Keyframe' : 'Frame',
+      words: '',
+      run: () => toFrame(to),
+    }),
+  ];
 }
 
 function toFrame(to) {

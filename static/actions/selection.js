@@ -24,7 +24,8 @@ export function between(marks, one, other) {
 }
 
 /** With one of them chosen, or not any more. @returns {Frames} */
-export const toggled = (chosen, at) => (chosen.includes(at) ? chosen.filter((one) => one !== at) : ascending([...chosen, at]));
+export const toggled = (chosen, at) =>
+  chosen.includes(at) ? chosen.filter((one) => one !== at) : ascending([...chosen, at]);
 
 /** @returns {Frames} */
 export const joined = (some, others) => ascending([...some, ...others]);
@@ -45,11 +46,16 @@ export function shifted(frames, by, filmEnd) {
  */
 export function stretched(frames, end, to, filmEnd) {
   const least = frames.length - 1;
-  const [first, last] = end === 'last'
-    ? [frames[0], clamp(Math.round(to), frames[0] + least, filmEnd)]
-    : [clamp(Math.round(to), 0, frames.at(-1) - least), frames.at(-1)];
+  const [first, last] =
+    end === 'last'
+      ? [frames[0], clamp(Math.round(to), frames[0] + least, filmEnd)]
+      : [clamp(Math.round(to), 0, frames.at(-1) - least), frames.at(-1)];
   const ratio = (last - first) / Math.max(1, frames.at(-1) - frames[0]);
-  return apart(frames.map((at) => Math.round(first + (at - frames[0]) * ratio)), first, last);
+  return apart(
+    frames.map((at) => Math.round(first + (at - frames[0]) * ratio)),
+    first,
+    last,
+  );
 }
 
 /** Ascending frames pushed apart where some fell together, between their ends. */
@@ -70,7 +76,8 @@ export function met(marks, moved, to, isCopy = false) {
 }
 
 /** "12 and 24", "12, 24 and 3 more". */
-export const listed = (frames) => words.joined(frames.length > 3 ? [...frames.slice(0, 2), `${frames.length - 2} more`] : frames);
+export const listed = (frames) =>
+  words.joined(frames.length > 3 ? [...frames.slice(0, 2), `${frames.length - 2} more`] : frames);
 
 /** @type {number[]} */
 const NONE = [];
@@ -129,7 +136,8 @@ export function chooseOnly(at) {
 /** With Ctrl one more or one less; the one that was clicked before counts as the first. */
 export function toggleKey(at) {
   const before = selectedKeys();
-  const first = before.length === 0 && anchor !== null && anchor === frame() && isMark(anchor) && anchor !== at ? [anchor] : [];
+  const first =
+    before.length === 0 && anchor !== null && anchor === frame() && isMark(anchor) && anchor !== at ? [anchor] : [];
   anchor = at;
   selectKeys(toggled(joined(before, first), at));
 }
@@ -154,7 +162,9 @@ export const selectBetween = (first, last, before = NONE) => selectKeys(joined(b
 export function whyNotAt(frames, to, isCopy = false) {
   const taken = met(occupied(), frames, to, isCopy);
   if (!taken.length) return '';
-  return taken.length === 1 ? `Frame ${taken[0]} is already a keyframe` : `Frames ${listed(taken)} are already keyframes`;
+  return taken.length === 1
+    ? `Frame ${taken[0]} is already a keyframe`
+    : `Frames ${listed(taken)} are already keyframes`;
 }
 
 /** They stand at these frames from now on, or are copied to them, and stay selected. */

@@ -12,7 +12,9 @@ export function whyNotStand() {
   if (!server.body?.parts.some(isFoot)) return 'This body has no feet with heel and toe';
   const segments = server.segments ?? [];
   if (segments.some(isTracked)) return '';
-  return segments.some(({ state }) => state === 'outdated') ? 'The tracked motion is out of date. Track again first' : 'Track first';
+  return segments.some(({ state }) => state === 'outdated')
+    ? 'The tracked motion is out of date. Track again first'
+    : 'Track first';
 }
 
 export function whyNotFindUp() {

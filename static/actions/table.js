@@ -26,7 +26,20 @@ export const GROUPS = [
 ];
 
 export const ACTIONS = {
-  ...FRAMES, ...NOTES, ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS, ...TRACK, ...REVIEW, ...CAMERA, ...TOOLS, ...VIEW, ...ANGLES, ...DRAGGING, ...FILE,
+  ...FRAMES,
+  ...NOTES,
+  ...KEYFRAMES,
+  ...POSE,
+  ...HISTORY,
+  ...PINS,
+  ...TRACK,
+  ...REVIEW,
+  ...CAMERA,
+  ...TOOLS,
+  ...VIEW,
+  ...ANGLES,
+  ...DRAGGING,
+  ...FILE,
 };
 
 /** @typedef {keyof typeof ACTIONS} ActionId */

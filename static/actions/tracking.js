@@ -53,17 +53,19 @@ export function namesOf(segments) {
   return segments.map((s) => range(s.first, s.last)).join(', ');
 }
 
-export const whyNotTrack = () =>
-  (server.keys?.frames.length ?? 0) < fewestKeys() ? tooFewWords() : '';
+export const whyNotTrack = () => ((server.keys?.frames.length ?? 0) < fewestKeys() ? tooFewWords() : '');
 
 /** The same of the segments between the in and the out point. */
 export const whyNotTrackChosen = () =>
-  whyNotTrack() || (chosenSegments().length ? '' : `No segment reaches between the in and the out point${chosenTail()}`);
+  whyNotTrack() ||
+  (chosenSegments().length ? '' : `No segment reaches between the in and the out point${chosenTail()}`);
 
 export function whyNotTrackChanged() {
   const why = whyNotTrackChosen();
   if (why || changedSegments().length) return why;
-  return server.job?.state === 'running' ? `${words().doing} already` : `All segments${chosenTail().replace(',', ' within')} are up to date`;
+  return server.job?.state === 'running'
+    ? `${words().doing} already`
+    : `All segments${chosenTail().replace(',', ' within')} are up to date`;
 }
 
 /**

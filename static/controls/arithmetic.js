@@ -6,7 +6,10 @@ const SIGNS = { '−': '-', '–': '-', '×': '*', '·': '*', '÷': '/' };
 
 /** The number meant by `text` in a field that shows `value`: {value} or {words}. */
 export function read(text, value, unit = '') {
-  const plain = [...text.trim()].map((c) => SIGNS[c] ?? c).join('').replace(/(\d),(\d)/g, '$1.$2');
+  const plain = [...text.trim()]
+    .map((c) => SIGNS[c] ?? c)
+    .join('')
+    .replace(/(\d),(\d)/g, '$1.$2');
   if (plain === '') return { words: 'A number is missing.' };
   const [expression, factor] = inUnit(plain, unit);
   // A leading minus is a negative number; `-=5` takes five away.

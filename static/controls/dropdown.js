@@ -112,7 +112,10 @@ class DropDown extends HTMLElement {
     if (this.isOpen) return;
     this.isOpen = true;
     this.filter = '';
-    this.at = Math.max(0, this.options.findIndex((option) => option.id === this.known.value));
+    this.at = Math.max(
+      0,
+      this.options.findIndex((option) => option.id === this.known.value),
+    );
     this.draw();
     this.list.showPopover();
     this.place();

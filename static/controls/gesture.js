@@ -15,10 +15,14 @@ export function pull(element, down, { move, end = () => {} }) {
   const abort = new AbortController();
   const { signal } = abort;
   element.addEventListener('pointermove', move, { signal });
-  element.addEventListener('lostpointercapture', () => {
-    abort.abort();
-    end();
-  }, { signal });
+  element.addEventListener(
+    'lostpointercapture',
+    () => {
+      abort.abort();
+      end();
+    },
+    { signal },
+  );
 }
 
 /**
@@ -32,8 +36,7 @@ export function pull(element, down, { move, end = () => {} }) {
 export function follow(element, down, { move, end, cancel, holdsKeys = () => false }) {
   element.setPointerCapture(down.pointerId);
   const abort = new AbortController();
-  const on = (target, kind, fn, more) =>
-    target.addEventListener(kind, fn, { signal: abort.signal, ...more });
+  const on = (target, kind, fn, more) => target.addEventListener(kind, fn, { signal: abort.signal, ...more });
   const stop = (fn) => (event) => {
     abort.abort();
     fn(event);

@@ -124,9 +124,11 @@ export function menuButton(name, { title, kind, face, label, act = () => toggleM
 export function menuHolder(name, button, items, side = 'left') {
   const open = ui.menu === name;
   return html`<span class="holder" data-menu=${name}>
-    ${button(open)}${open
-      ? html`<div class="menu ${side}" role="menu" tabindex="-1" @keydown=${onKey}>${rows(items())}</div>`
-      : nothing}
+    ${button(open)}${
+      open
+        ? html`<div class="menu ${side}" role="menu" tabindex="-1" @keydown=${onKey}>${rows(items())}</div>`
+        : nothing
+    }
   </span>`;
 }
 
@@ -153,7 +155,7 @@ function closeHanging() {
 function focusMenu() {
   const list = ui.menu && holder(ui.menu)?.querySelector('.menu');
   if (!list) return;
-  const target = reachedByKey() || byKeys ? list.querySelector('.mi.here') ?? list.querySelector('.mi') : list;
+  const target = reachedByKey() || byKeys ? (list.querySelector('.mi.here') ?? list.querySelector('.mi')) : list;
   target?.focus();
   list.querySelector('.mi.here')?.scrollIntoView({ block: 'center' });
 }
@@ -169,8 +171,11 @@ export function openMenuAt(label, entries, [left, top]) {
   beginTyping();
   const active = document.activeElement;
   before = active !== null && active !== document.body ? active : null;
-  render(html`<div class="menu tmenu" role="menu" aria-label=${label} tabindex="-1"
-    @keydown=${onKey} @contextmenu=${(event) => event.preventDefault()}>${rows(entries)}</div>`, place);
+  render(
+    html`<div class="menu tmenu" role="menu" aria-label=${label} tabindex="-1"
+    @keydown=${onKey} @contextmenu=${(event) => event.preventDefault()}>${rows(entries)}</div>`,
+    place,
+  );
   const menu = place.firstElementChild;
   const { height } = menu.getBoundingClientRect();
   standAt(menu, left, Math.max(LEAST_TOP, belowOrAbove(height, top, top)));

@@ -85,7 +85,8 @@ class NumberField extends ValueElement {
 
   press(event) {
     if (this.isFocused || event.button !== 0 || this.spec.off) return;
-    if (this.spec.value === null) { // nothing to drag from: it is typed
+    if (this.spec.value === null) {
+      // nothing to drag from: it is typed
       this.begin();
       return;
     }

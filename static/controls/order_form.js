@@ -21,7 +21,8 @@ import { dropdown, segmented, textField } from './fields.js';
 const MOST_SIDE_BY_SIDE = 3;
 
 /** What a form starts with. @param {Option[]} options @returns {Values} */
-export const usualOf = (options) => Object.fromEntries(options.map(({ name, usual, kind }) => [name, kind === 'places' ? {} : (usual ?? '')]));
+export const usualOf = (options) =>
+  Object.fromEntries(options.map(({ name, usual, kind }) => [name, kind === 'places' ? {} : (usual ?? '')]));
 
 /**
  * The fields of a form.
@@ -39,7 +40,9 @@ export function orderFields(options, values, change, further = {}) {
     const set = (text) => change({ [one.name]: text });
     const chosen = known.options?.find(({ id }) => id === values[one.name]);
     const note = [chosen?.note, known.note].filter(Boolean).join('; ');
-    const content = more.field ? more.field() : (known.options ? choice : (FIELDS[known.kind] ?? text))(known, values[one.name], set);
+    const content = more.field
+      ? more.field()
+      : (known.options ? choice : (FIELDS[known.kind] ?? text))(known, values[one.name], set);
     return field(one.label, content, note);
   });
 }
@@ -61,14 +64,23 @@ function range({ label }, value, act) {
 }
 
 function choice({ label, options, empty, usual }, value, act) {
-  if (usual && options.length <= MOST_SIDE_BY_SIDE && !options.some(({ note }) => note)) return segmented({ label, value, options, act });
+  if (usual && options.length <= MOST_SIDE_BY_SIDE && !options.some(({ note }) => note)) {
+    return segmented({ label, value, options, act });
+  }
   const all = usual || options.some(({ id }) => !id) ? options : [{ id: '', label: empty }, ...options];
   return dropdown({ label, value, text: all.find(({ id }) => id === value)?.label, kind: 'field', options: all, act });
 }
 
-const toggle = ({ label, labels }, value, act) => segmented({
-  label, value: value || 'false', act, options: [{ id: 'false', label: labels[0] }, { id: 'true', label: labels[1] }],
-});
+const toggle = ({ label, labels }, value, act) =>
+  segmented({
+    label,
+    value: value || 'false',
+    act,
+    options: [
+      { id: 'false', label: labels[0] },
+      { id: 'true', label: labels[1] },
+    ],
+  });
 
 const FIELDS = { range, switch: toggle };
 
@@ -84,7 +96,12 @@ export function whyNotOrder(options, values, count, further = {}) {
     const more = further[one.name] ?? {};
     const value = values[one.name];
     if (more.out) continue;
-    const off = more.needed && !value ? `Choose: ${one.label}.` : value ? WRONG[one.kind]?.({ ...one, ...more }, value, count) : '';
+    const off =
+      more.needed && !value
+        ? `Choose: ${one.label}.`
+        : value
+          ? WRONG[one.kind]?.({ ...one, ...more }, value, count)
+          : '';
     if (off) return off;
   }
   return '';
@@ -106,16 +123,24 @@ function whyNotFrames(words, count) {
 }
 
 const WRONG = {
-  number: (one, value) => (/^[+-]?\d{1,7}(\.\d{0,20})?$/.test(value) && isWithin(one, Number(value)) ? '' : bounds(one)),
-  whole: (one, value) => (/^[+-]?\d{1,7}$/.test(value) && isWithin(one, Number(value)) ? '' : bounds(one).replace('a number', 'a whole number')),
+  number: (one, value) =>
+    /^[+-]?\d{1,7}(\.\d{0,20})?$/.test(value) && isWithin(one, Number(value)) ? '' : bounds(one),
+  whole: (one, value) =>
+    /^[+-]?\d{1,7}$/.test(value) && isWithin(one, Number(value))
+      ? ''
+      : bounds(one).replace('a number', 'a whole number'),
   range: (_, value, count) => {
     const ends = value.split('-');
-    if (ends.length !== 2 || !ends.every(isWhole) || Number(ends[0]) > Number(ends[1])) return 'The frames are two numbers, the first one not after the last.';
+    if (ends.length !== 2 || !ends.every(isWhole) || Number(ends[0]) > Number(ends[1])) {
+      return 'The frames are two numbers, the first one not after the last.';
+    }
     return whyNotFrames(ends, count);
   },
   frames: (_, value, count) => {
     const words = value.split(',').map((word) => word.trim());
-    return words.every(isWhole) ? whyNotFrames(words, count) : 'Frames are numbers with commas between, such as 0, 24, 48.';
+    return words.every(isWhole)
+      ? whyNotFrames(words, count)
+      : 'Frames are numbers with commas between, such as 0, 24, 48.';
   },
 };
 

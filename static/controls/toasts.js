@@ -45,7 +45,10 @@ export function mountToasts() {
   watch(['file'], forgetOthers);
   watch(['revision'], forgetPast);
   // The newest stands farthest from the edge, so that none is pushed away by the next.
-  watch(['u:toasts'], steadily(() => render((ui.toasts ?? []).map(card), stack)));
+  watch(
+    ['u:toasts'],
+    steadily(() => render((ui.toasts ?? []).map(card), stack)),
+  );
   setInterval(sweep, 500);
 }
 
@@ -78,7 +81,10 @@ function sweep() {
 }
 
 function dismiss(id) {
-  setUi('toasts', (ui.toasts ?? []).filter((one) => one.id !== id));
+  setUi(
+    'toasts',
+    (ui.toasts ?? []).filter((one) => one.id !== id),
+  );
 }
 
 function card(message) {
@@ -92,9 +98,7 @@ function card(message) {
     <span class="words"
       >${detail ? html`<b>${words}</b><br /><span class="mut">${detail}</span>` : words}</span
     >
-    ${button
-      ? html`<button class="btn sm" @click=${() => answer(id, button)}>${button.label}</button>`
-      : nothing}
+    ${button ? html`<button class="btn sm" @click=${() => answer(id, button)}>${button.label}</button>` : nothing}
     <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${() => dismiss(id)}>
       ${icon('x')}
     </button>

@@ -1,4 +1,5 @@
-// The guide for a new film: its lens, the person in it, a draft of every frame, how the camera moved, what to confirm. Six
+// The guide for a new film: its lens, the person in it, a draft of every frame, how the camera moved, what to
+// confirm. Six
 // kinds of camera with keys 1 to 6, the focal length on a slider, what the file says.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
@@ -6,8 +7,18 @@ import { labelOf, perform, whyNot } from '../actions/actions.js';
 import { cameraFindings, cameraKind, cameraWords, hasFrames, isFindingCamera } from '../actions/camera.js';
 import { draftTimeWords, placesWords, smallWords } from '../actions/drafting.js';
 import {
-  addForStabiliser, chooseKind, degrees, fileWords, FOCAL_MM, focalSpec, isFileOther, keepLens,
-  kindHere, KINDS, millimetres, useFile,
+  addForStabiliser,
+  chooseKind,
+  degrees,
+  fileWords,
+  FOCAL_MM,
+  focalSpec,
+  isFileOther,
+  keepLens,
+  kindHere,
+  KINDS,
+  millimetres,
+  useFile,
 } from '../actions/lens.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { isLooking, isNobodyHere, peopleHere, peopleWords, takePerson } from '../actions/people.js';
@@ -151,7 +162,10 @@ const IN_FILM = [
     beside: fan,
     key: lensKey,
     leave: keepLens,
-    hints: [['1–6', 'choose a lens'], ['Wheel', 'change the focal length']],
+    hints: [
+      ['1–6', 'choose a lens'],
+      ['Wheel', 'change the focal length'],
+    ],
   },
   {
     word: 'Up',
@@ -163,7 +177,12 @@ const IN_FILM = [
     again: true,
     content: upLine,
     choices: [
-      { label: 'Level camera', title: 'It looks straight ahead, neither up nor down', act: () => perform('levelCamera'), ends: true },
+      {
+        label: 'Level camera',
+        title: 'It looks straight ahead, neither up nor down',
+        act: () => perform('levelCamera'),
+        ends: true,
+      },
       { label: 'Two verticals', title: 'Drag along two walls, doors or poles', act: () => setUi('tool', 'vertical') },
       { label: 'Don’t know', title: 'The feet say it later, less surely', act: () => {}, ends: true },
     ],
@@ -179,7 +198,11 @@ const IN_FILM = [
     again: true,
     content: personLine,
     next: nextOfPerson,
-    hints: [['Click', 'take a person'], ['Drag', 'draw the box, pull its edges'], ['← →', 'choose another frame']],
+    hints: [
+      ['Click', 'take a person'],
+      ['Drag', 'draw the box, pull its edges'],
+      ['← →', 'choose another frame'],
+    ],
     byHand: true,
   },
   {
@@ -202,9 +225,14 @@ const IN_FILM = [
     again: true,
     content: cameraLine,
     get choices() {
-      return cameraKind() === null && !isFindingCamera() ? [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }] : undefined;
+      return cameraKind() === null && !isFindingCamera()
+        ? [{ label: 'Skip', title: 'It can be found later, in the Camera tab', act: () => {}, ends: true }]
+        : undefined;
     },
-    next: () => (cameraKind() !== null || isFindingCamera() ? null : { label: 'Find its motion', act: () => perform('findCamera') }),
+    next: () =>
+      cameraKind() !== null || isFindingCamera()
+        ? null
+        : { label: 'Find its motion', act: () => perform('findCamera') },
   },
   {
     word: 'Review',
@@ -243,7 +271,9 @@ function doesCameraMove() {
 }
 
 function cameraLine() {
-  if (isFindingCamera()) return html`<p class="num">${server.job.words || `${server.job.title}, ${Math.round(server.job.percent ?? 0)} %`}</p>`;
+  if (isFindingCamera()) {
+    return html`<p class="num">${server.job.words || `${server.job.title}, ${Math.round(server.job.percent ?? 0)} %`}</p>`;
+  }
   if (cameraKind() === null) return nothing;
   const found = cameraFindings().find(hasFrames);
   return html`<div class="row filesays ${found ? 'warned' : 'good'}">${icon(found ? 'warn' : 'check')}
@@ -257,7 +287,9 @@ const isDrafted = () => Boolean(server.draft);
 function nextOfPerson() {
   if (ui.box) return { label: labelOf('draft'), act: draftFromBox };
   const { length } = peopleHere();
-  if (length) return { label: length > 1 && !ui.personHover ? 'Take the tallest' : 'Take this person', act: () => takePerson() };
+  if (length) {
+    return { label: length > 1 && !ui.personHover ? 'Take the tallest' : 'Take this person', act: () => takePerson() };
+  }
   return isLooking() ? { label: 'Looking…', act: () => {} } : null;
 }
 
@@ -275,11 +307,14 @@ function personLine() {
 
 /** A child is drafted like an adult; an animal or a thing is posed by hand. */
 function otherLine() {
-  const others = server.body?.presets.filter(({ name, is_object: isObject }) => isObject || OTHERS.includes(name)) ?? [];
+  const others =
+    server.body?.presets.filter(({ name, is_object: isObject }) => isObject || OTHERS.includes(name)) ?? [];
   return html`<div class="row others"><span class="note">Somebody else?</span>
-    ${others.map((one) => html`<button type="button" class="btn sm" aria-pressed=${server.body?.preset === one.name}
+    ${others.map(
+      (one) => html`<button type="button" class="btn sm" aria-pressed=${server.body?.preset === one.name}
       title=${one.name === 'child' ? 'Draft a child of about 7 years' : 'Pose it by hand'}
-      @click=${() => takeBody(one)}>${one.label}</button>`)}</div>`;
+      @click=${() => takeBody(one)}>${one.label}</button>`,
+    )}</div>`;
 }
 
 const OTHERS = ['child', 'dog', 'horse'];
@@ -304,8 +339,17 @@ function takeThing(name) {
 function heightLine() {
   const { height_cm: value } = server.body;
   return html`<div class="row height"><label class="mut">Height</label>${numberField({
-    key: 'guide-height', label: 'Height of the person', value, unit: 'cm', decimals: 0, step: 0.5, coarse: 5, min: LEAST_CM, max: MOST_CM,
-    title: 'From the soles to the top of the head', edit: (cm) => ({ do: 'height', cm }),
+    key: 'guide-height',
+    label: 'Height of the person',
+    value,
+    unit: 'cm',
+    decimals: 0,
+    step: 0.5,
+    coarse: 5,
+    min: LEAST_CM,
+    max: MOST_CM,
+    title: 'From the soles to the top of the head',
+    edit: (cm) => ({ do: 'height', cm }),
   })}<span class="note">If you know it: depth and lengths are right then.</span></div>`;
 }
 

@@ -1,4 +1,5 @@
-// The guide, to a draft of a new film or to a pose by hand: a card that ticks its steps off as they are done in any way, and
+// The guide, to a draft of a new film or to a pose by hand: a card that ticks its steps off as they are done in
+// any way, and
 // gives way to the handles, to what is dragged and to its value. Once the pose is a
 // keyframe it is at its end, whichever step was shown.
 
@@ -27,7 +28,22 @@ const GAP_PX = 12;
 const PAUSE_MS = 900; // long enough to see the tick
 const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft', 'networks', 'settings', 'camera_motion', 'people'];
+const SECTIONS = [
+  'guide',
+  'file',
+  'camera',
+  'pose',
+  'body',
+  'keys',
+  'suggest',
+  'segments',
+  'job',
+  'draft',
+  'networks',
+  'settings',
+  'camera_motion',
+  'people',
+];
 
 let wasDone = false; // what was done before its step was shown does not move it on
 let wasKept = false; // nor does a pose that was kept before
@@ -89,7 +105,21 @@ export function mountGuide() {
   watch(['draft'], skipToDraftReview);
   watch(['job'], followDraft);
   addEventListener('keydown', onKey, true); // before the table of keys, and views by number
-  watch([...SECTIONS, 'u:box', 'u:lookedAt', 'u:personHover', 'u:span', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
+  watch(
+    [
+      ...SECTIONS,
+      'u:box',
+      'u:lookedAt',
+      'u:personHover',
+      'u:span',
+      'u:guideStep',
+      'u:layout',
+      'u:tool',
+      'u:dragging',
+      'u:pulled',
+    ],
+    draw,
+  );
   onViews(draw);
   onInteraction(() => isOpen() && fade(card.querySelector('.coach')));
   addEventListener('resize', () => requestAnimationFrame(draw));
@@ -188,7 +218,11 @@ function poseByHand() {
 export function guideHints() {
   const { hints, done } = currentStep() ?? {};
   if (!isOpen() || !done || !hints) return null;
-  return [...hints, ['Enter', ui.box ? 'draft' : 'continue'], ['Esc', isDrawingTool(ui.tool) ? 'cancel' : 'close the guide']];
+  return [
+    ...hints,
+    ['Enter', ui.box ? 'draft' : 'continue'],
+    ['Esc', isDrawingTool(ui.tool) ? 'cancel' : 'close the guide'],
+  ];
 }
 
 /** On to the next step, or to the end, once the tick was seen. */
@@ -225,14 +259,16 @@ function coach() {
     <div class="steps">${steps().map(bar)}</div>
     <h3 aria-level="2">${title}</h3>
     <p>${text}</p>
-    ${choices
-      ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>`
-      : nothing}
+    ${choices ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>` : nothing}
     ${content?.() ?? nothing}
     ${step?.byHand ? html`<button class="btn ghost sm byhand" @click=${poseByHand}>Pose by hand instead</button>` : nothing}
     <div class="row foot">
-      ${step ? stepFoot(step) : html`<span class="sp"></span>
-            <button class="btn sm" @click=${closeGuide}>Close guide</button>`}
+      ${
+        step
+          ? stepFoot(step)
+          : html`<span class="sp"></span>
+            <button class="btn sm" @click=${closeGuide}>Close guide</button>`
+      }
     </div>
   </div>${step?.beside?.() ?? nothing}`;
 }
@@ -255,13 +291,17 @@ function stepFoot(step) {
     <button class="btn ghost sm" title="Show it again: ?" data-key="Esc" @click=${closeGuide}>
       Close guide
     </button>
-    ${step.done ? continueButton(step) : html`<button
+    ${
+      step.done
+        ? continueButton(step)
+        : html`<button
       class="btn sm ${done ? 'pri' : ''}"
       title=${done ? 'Next step' : 'Skip this step'}
       @click=${skip}
     >
       Next
-    </button>`}`;
+    </button>`
+    }`;
 }
 
 /** The step's own button is the first where it has one. */

@@ -88,7 +88,12 @@ function isIn(name, [x, y]) {
 }
 
 const MARKS = {
-  hips: anywhere, height: upAndDown, facing: () => null, limbs: roundEnds, depth: inSide, key: onKey,
+  hips: anywhere,
+  height: upAndDown,
+  facing: () => null,
+  limbs: roundEnds,
+  depth: inSide,
+  key: onKey,
 };
 
 /** Draw the marks of this step, or none. */
@@ -99,17 +104,23 @@ export function drawMarks(place, step) {
 
 /** A ring round the point at the hips, with arrows: it may go anywhere. */
 function anywhere(step) {
-  return onHandles(step, ([x, y]) => svg`<g transform="translate(${x} ${y})">
+  return onHandles(
+    step,
+    ([x, y]) => svg`<g transform="translate(${x} ${y})">
     ${ring(0, 0, 20)}${[0, 90, 180, 270].map(tip)}
-  </g>`);
+  </g>`,
+  );
 }
 
 /** A double arrow through the point at the hips. */
 function upAndDown(step) {
-  return onHandles(step, ([x, y]) => svg`<g transform="translate(${x} ${y})">
+  return onHandles(
+    step,
+    ([x, y]) => svg`<g transform="translate(${x} ${y})">
     ${ring(0, 0, 20)}<path class="line" d="M0-28V-46M0 28V46" />
     <g transform="translate(0 -14)">${tip(0)}</g><g transform="translate(0 14)">${tip(180)}</g>
-  </g>`);
+  </g>`,
+  );
 }
 
 const tip = (turn) => svg`<path class="tip" transform="rotate(${turn})" d="M0-37l7 9H-7z" />`;
@@ -236,8 +247,7 @@ function belowBars() {
   return Math.max(0, ...bars.map((bar) => (bar ? bar.bottom + 8 : 0)));
 }
 
-const nearest = (points, corner, size) =>
-  Math.min(FAR, ...points.map((point) => distance(point, corner, size)));
+const nearest = (points, corner, size) => Math.min(FAR, ...points.map((point) => distance(point, corner, size)));
 
 /** From a point to the nearest edge of the card; 0 inside. */
 /** @param {number[]} at */

@@ -1,5 +1,6 @@
 // The steps to a first pose, in the order the guide goes through them: six of a film posed by hand, four
-// of a thing and of observed surfaces; those of a new film are in `film_steps`. A step takes its tool in hand; any other
+// of a thing and of observed surfaces; those of a new film are in `film_steps`. A step takes its tool in hand; any
+// other
 // way of doing it counts as well. `name` is the server's key.
 
 import { send } from '../store/link.js';

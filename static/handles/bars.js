@@ -5,7 +5,13 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionButton } from '../actions/buttons.js';
 import {
-  boxFrameFor, draftedWords, nobodyWords, personWords, placesWords, restCount, smallWords,
+  boxFrameFor,
+  draftedWords,
+  nobodyWords,
+  personWords,
+  placesWords,
+  restCount,
+  smallWords,
 } from '../actions/drafting.js';
 import { noteAt, noteAsOneLine } from '../actions/keying.js';
 import { partKeyAt } from '../actions/parts.js';
@@ -105,7 +111,11 @@ function verdict({ state, words: full, short, todo, pass, part, px }) {
   if (state === 'waiting') return { say: VERDICTS.waiting.word };
   const label = px === null ? '' : partNamed(part)?.label.toLowerCase();
   const good = state === 'good' ? 'Good, ' : '';
-  return { say: label ? `${good}${roughError(px, null)} at the ${label}` : short || full, why: short || full, where: todo };
+  return {
+    say: label ? `${good}${roughError(px, null)} at the ${label}` : short || full,
+    why: short || full,
+    where: todo,
+  };
 }
 
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */
@@ -199,7 +209,25 @@ export function mountBars() {
   mountOrbitHint();
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'people', 'u:lookedAt', 'u:guideStep', 'u:span', 'u:rings', 'u:personMask', 'u:tab', 'u:menu', 'u:orbited'], draw);
+  watch(
+    [
+      ...SECTIONS,
+      'u:draftRead',
+      'u:tool',
+      'u:layout',
+      'u:box',
+      'people',
+      'u:lookedAt',
+      'u:guideStep',
+      'u:span',
+      'u:rings',
+      'u:personMask',
+      'u:tab',
+      'u:menu',
+      'u:orbited',
+    ],
+    draw,
+  );
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

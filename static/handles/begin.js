@@ -31,7 +31,14 @@ export function beginOnTarget(view, press, target) {
   const movesAll = ['root', 'corner'].includes(target.kind) || target.isRoot || carries;
   const place = { ...view.inMessage(), ...limbOnly(movesAll) };
   const messageAt = (at, keys) => ({
-    do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free, carry: carries || keys.carry,
+    do: 'drag',
+    ...place,
+    handle,
+    from,
+    at,
+    ...keys,
+    free: open || keys.free,
+    carry: carries || keys.carry,
   });
   const hint = target.kind === 'corner' ? 'corner' : handle.kind;
   const extra = { target, carries, wedge, point: target.point, limb: ui.limb, hint, axis: handle.axis };
@@ -63,7 +70,13 @@ export function beginOnSurface(view, press, part) {
   const carries = movesWhole();
   const place = { ...view.inMessage(), ...limbOnly(tool === 'move' || carries) };
   const messageAt = (at, keys) => ({
-    do: 'drag', ...place, handle, from, at, ...keys, carry: carries || keys.carry,
+    do: 'drag',
+    ...place,
+    handle,
+    from,
+    at,
+    ...keys,
+    carry: carries || keys.carry,
   });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
   beginDrag(view, press, messageAt, { target: { key: `part:${part}`, part }, hint, carries });

@@ -1,5 +1,6 @@
 // Drawing the box around a person: dragged over the picture, then pulled at its grips or moved. It is
-// there as long as its tool is in hand. Before that, whoever was found in the picture is outlined, and taken with a click.
+// there as long as its tool is in hand. Before that, whoever was found in the picture is outlined, and taken with
+// a click.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
@@ -51,8 +52,11 @@ const isInside = (view, at) => Boolean(ui.box && at && holds(onScreen(view), at)
 export const box = {
   icon: 'wand',
   hints: [
-    ['Drag', 'draw the box, pull its edges'], ['Alt ← ↑ → ↓', 'move, with Shift resize'],
-    ['← →', 'choose another frame'], ['Enter', 'draft'], ['Esc', 'cancel'],
+    ['Drag', 'draw the box, pull its edges'],
+    ['Alt ← ↑ → ↓', 'move, with Shift resize'],
+    ['← →', 'choose another frame'],
+    ['Enter', 'draft'],
+    ['Esc', 'cancel'],
   ],
   /** In the guide its card says it, beside the picture. */
   words() {
@@ -168,8 +172,10 @@ function draw(view) {
   return svg`<g class="box ${smallWords() ? 'small' : ''}">
     <path class="outside" fill-rule="evenodd" d=${hole} />
     <rect class="edge" x=${left} y=${top} width=${right - left} height=${bottom - top} />
-    ${gripsOf([left, top, right, bottom]).map(([x, y], i) => svg`<rect class="pull ${i === hot ? 'hot' : ''}"
-      x=${x - GRIP_PX / 2} y=${y - GRIP_PX / 2} width=${GRIP_PX} height=${GRIP_PX} rx="1" data-pull=${i} />`)}
+    ${gripsOf([left, top, right, bottom]).map(
+      ([x, y], i) => svg`<rect class="pull ${i === hot ? 'hot' : ''}"
+      x=${x - GRIP_PX / 2} y=${y - GRIP_PX / 2} width=${GRIP_PX} height=${GRIP_PX} rx="1" data-pull=${i} />`,
+    )}
   </g>`;
 }
 

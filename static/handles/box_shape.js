@@ -10,7 +10,16 @@ import { clamp } from '../controls/arithmetic.js';
  * The grips, clockwise from the upper left: where across the box and where down it each is.
  * @type {Spot[]}
  */
-export const GRIPS = [[0, 0], [0.5, 0], [1, 0], [1, 0.5], [1, 1], [0.5, 1], [0, 1], [0, 0.5]];
+export const GRIPS = [
+  [0, 0],
+  [0.5, 0],
+  [1, 0],
+  [1, 0.5],
+  [1, 1],
+  [0.5, 1],
+  [0, 1],
+  [0, 0.5],
+];
 
 /** The pointer over each of them. */
 export const CURSORS = ['nwse', 'ns', 'nesw', 'ew', 'nwse', 'ns', 'nesw', 'ew'].map((way) => `${way}-resize`);

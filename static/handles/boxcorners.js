@@ -32,19 +32,31 @@ function cornersOf(view, part) {
   const T = server.pose.T[part.name];
   if (!T) return [];
   const axes = axesOf(T);
-  const points = part.corners_cm.map((cm) => axes.reduce((sum, axis, k) => add(sum, times(axis, cm[k] / 100)), originOf(T)));
+  const points = part.corners_cm.map((cm) =>
+    axes.reduce((sum, axis, k) => add(sum, times(axis, cm[k] / 100)), originOf(T)),
+  );
   const rays = server.camera?.projection === 'telephoto' ? points.map(() => [0, 0, 1]) : points;
   const label = `${part.label} corner`;
   const spots = points.map((point) => view.project(point));
-  return seenCorners(points, rays).map((index) => {
-    const [x, y] = spots[index];
-    const handle = { kind: 'box_corner', part: part.name, index };
-    return {
-      key: `box-corner:${part.name}:${index}`, kind: 'box_corner', handle, part: part.name, label,
-      limb: [part.name], point: points[index], at: [x, y], radius: HALF_PX * gripScale(view),
-      beside: besideOf(spots, index), isRoot: !part.parent,
-    };
-  }).filter(({ at }) => Number.isFinite(at[0] + at[1]));
+  return seenCorners(points, rays)
+    .map((index) => {
+      const [x, y] = spots[index];
+      const handle = { kind: 'box_corner', part: part.name, index };
+      return {
+        key: `box-corner:${part.name}:${index}`,
+        kind: 'box_corner',
+        handle,
+        part: part.name,
+        label,
+        limb: [part.name],
+        point: points[index],
+        at: [x, y],
+        radius: HALF_PX * gripScale(view),
+        beside: besideOf(spots, index),
+        isRoot: !part.parent,
+      };
+    })
+    .filter(({ at }) => Number.isFinite(at[0] + at[1]));
 }
 
 /**
@@ -83,7 +95,9 @@ export function drawBoxCorners(view, corners) {
 
 function drawCorner(view, corner) {
   const isPlaced = server.pose.corners.some(({ part, index }) => part === corner.part && index === corner.handle.index);
-  const state = [isPlaced ? 'placed' : '', isDragged(corner) ? 'dragged' : '', isHot(view, corner) ? 'hot' : ''].join(' ');
+  const state = [isPlaced ? 'placed' : '', isDragged(corner) ? 'dragged' : '', isHot(view, corner) ? 'hot' : ''].join(
+    ' ',
+  );
   const half = corner.radius * (isDragged(corner) || isHot(view, corner) ? 1.33 : 1);
   const [x, y] = corner.at;
   return svg`<rect class="grip box-corner ${state}" x=${x - half} y=${y - half} width=${2 * half} height=${2 * half} data-grip=${corner.key} />`;
@@ -94,5 +108,11 @@ function drawPlaced(view, { part, uv }) {
   if (!partNamed(part)) return svg``;
   const [x, y] = view.fromView(uv);
   const r = CROSS_PX * gripScale(view);
-  return svg`<path class="placed-at" d="${pathOf([[x - r, y], [x + r, y]])}${pathOf([[x, y - r], [x, y + r]])}" />`;
+  return svg`<path class="placed-at" d="${pathOf([
+    [x - r, y],
+    [x + r, y],
+  ])}${pathOf([
+    [x, y - r],
+    [x, y + r],
+  ])}" />`;
 }

@@ -55,7 +55,13 @@ export function freebar() {
     <button class="ib s" data-toggle="film" aria-label="Film camera" aria-pressed=${camera}
       @click=${() => view.choose('camera', !camera)}>${icon('camc')}<span class="tip" aria-hidden="true">Film camera</span></button>
     <span class="vsep"></span>
-    ${menuHolder('orbit', () => menuButton('orbit', { kind: 'btn ghost sm', title: 'How the view turns', face: html`Orbit${icon('chev')}` }), () => orbitEntries(view), 'right')}
+    ${menuHolder(
+      'orbit',
+      () =>
+        menuButton('orbit', { kind: 'btn ghost sm', title: 'How the view turns', face: html`Orbit${icon('chev')}` }),
+      () => orbitEntries(view),
+      'right',
+    )}
     <button class="btn ghost sm" title="Reset the view" @click=${() => perform('fitView')}>Reset<kbd>${keyOf('fitView')}</kbd></button>
   </div>`;
 }

@@ -93,7 +93,9 @@ export function drawOffline(view) {
   if (ui.connected) return nothing;
   const now = interaction.drag && spotOf(interaction.drag);
   const spots = [...left.values()].filter(({ key }) => key !== now?.key);
-  const shown = [...spots, ...(now ? [now] : [])].filter((spot) => spot.view === view.name && spot.frame === server.view.frame);
+  const shown = [...spots, ...(now ? [now] : [])].filter(
+    (spot) => spot.view === view.name && spot.frame === server.view.frame,
+  );
   return svg`<g class="offline">${shown.map((spot) => drawSpot(view, spot))}</g>`;
 }
 
@@ -138,8 +140,12 @@ const FINE = 0.1;
  */
 export function beginDrag(view, press, messageAt, extra) {
   interaction.drag = {
-    ...extra, messageAt, view: view.name, stroke: newStroke('drag'),
-    virtual: [press.x, press.y], seen: [press.x, press.y],
+    ...extra,
+    messageAt,
+    view: view.name,
+    stroke: newStroke('drag'),
+    virtual: [press.x, press.y],
+    seen: [press.x, press.y],
     toView: (at) => view.toView(at),
   };
   setUi('playing', false);

@@ -35,7 +35,9 @@ export function isHandleCoveredBy(element) {
   if (!pointer || !isReady(pointer.view)) return false;
   const box = boxIn(pointer.view, element);
   const near = [pointer.x, pointer.y];
-  return [...gripsIn(pointer.view), ...boxCornersIn(pointer.view)].some(({ at, radius }) => holds(box, at, radius) && distance(at, near) < NEAR);
+  return [...gripsIn(pointer.view), ...boxCornersIn(pointer.view)].some(
+    ({ at, radius }) => holds(box, at, radius) && distance(at, near) < NEAR,
+  );
 }
 
 /** An element's box in pixels of a view. */
@@ -66,7 +68,11 @@ export function mountFloating() {
   onViews(giveWay);
   onInteraction(giveWay);
   // Words that change alone change the size of a message, too.
-  new MutationObserver(giveWay).observe(document.getElementById('screens'), { childList: true, subtree: true, characterData: true });
+  new MutationObserver(giveWay).observe(document.getElementById('screens'), {
+    childList: true,
+    subtree: true,
+    characterData: true,
+  });
 }
 
 function giveWay() {
@@ -82,9 +88,13 @@ function peopleInWindow() {
   const main = viewNamed('main');
   if (!isReady(main)) return [];
   const boxes = ui.tool === 'box' ? [...peopleHere(), ...(ui.box ? [ui.box] : [])] : [];
-  const joints = ui.tool === 'box' || !server.pose ? [] : Object.values(server.pose.points).map((point) => main.project(point));
+  const joints =
+    ui.tool === 'box' || !server.pose ? [] : Object.values(server.pose.points).map((point) => main.project(point));
   const { left, top, right, bottom } = main.over.getBoundingClientRect();
-  const spots = [...joints, ...boxes.flatMap(gridOf).map((spot) => main.fromView(spot))].map(([x, y]) => [left + x, top + y]);
+  const spots = [...joints, ...boxes.flatMap(gridOf).map((spot) => main.fromView(spot))].map(([x, y]) => [
+    left + x,
+    top + y,
+  ]);
   return spots.filter(([x, y]) => x > left && x < right && y > top && y < bottom);
 }
 
@@ -96,11 +106,15 @@ function gridOf([left, top, right, bottom]) {
 
 /** Every handle that can be grabbed now, in pixels of the window. */
 function handlesInWindow() {
-  return ALL_VIEWS.map(viewNamed).filter(isReady).flatMap((view) => {
-    const { left, top, right, bottom } = view.over.getBoundingClientRect();
-    const spots = [...gripsIn(view), ...boxCornersIn(view), ...sizesIn(view), ...keypointsIn(view)].map(({ at: [x, y] }) => [left + x, top + y]);
-    return spots.filter(([x, y]) => x > left && x < right && y > top && y < bottom);
-  });
+  return ALL_VIEWS.map(viewNamed)
+    .filter(isReady)
+    .flatMap((view) => {
+      const { left, top, right, bottom } = view.over.getBoundingClientRect();
+      const spots = [...gripsIn(view), ...boxCornersIn(view), ...sizesIn(view), ...keypointsIn(view)].map(
+        ({ at: [x, y] }) => [left + x, top + y],
+      );
+      return spots.filter(([x, y]) => x > left && x < right && y > top && y < bottom);
+    });
 }
 
 /**
@@ -160,7 +174,14 @@ function holds({ left, top, width, height }, [x, y], margin) {
  * Where messages may stand in the large view, the usual place first: across and down, 0 to 1.
  * @type {[number, number][]}
  */
-const PLACES = [[0.5, 1], [0, 1], [1, 1], [0.5, 0], [0, 0], [1, 0]];
+const PLACES = [
+  [0.5, 1],
+  [0, 1],
+  [1, 1],
+  [0.5, 0],
+  [0, 0],
+  [1, 0],
+];
 
 /** Messages stand where no handle and nobody is, and stay there until one comes to lie under them. */
 function placeMessages(handles) {

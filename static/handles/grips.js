@@ -41,7 +41,12 @@ function drawGrip(view, grip) {
   const dragged = isDragged(grip);
   const { gesture } = server.pose;
   const far = (dragged && gesture?.out_of_reach) || gesture?.unreached.includes(grip.handle.name);
-  const state = [dragged ? 'dragged' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : '', isOfPlace(grip) ? '' : 'aside'].join(' ');
+  const state = [
+    dragged ? 'dragged' : '',
+    far ? 'far' : '',
+    isHot(view, grip) ? 'hot' : '',
+    isOfPlace(grip) ? '' : 'aside',
+  ].join(' ');
   const classes = `grip ${grip.kind} ${state}`;
   const grown = dragged ? 1.5 : isHot(view, grip) ? 1.33 : 1;
   const r = grip.radius * grown;

@@ -15,7 +15,23 @@ import { prepareSketch, sketchKey } from './sketch.js';
 import { listenForMenuKey } from './viewmenu.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints', 'pins', 'joint_angle', 'background', 'people', 'up'];
+const SECTIONS = [
+  'file',
+  'pose',
+  'body',
+  'view',
+  'views',
+  'trail',
+  'masks',
+  'keys',
+  'camera',
+  'keypoints',
+  'pins',
+  'joint_angle',
+  'background',
+  'people',
+  'up',
+];
 
 export function mount() {
   watchKeys();
@@ -24,7 +40,24 @@ export function mount() {
   for (const name of ALL_VIEWS) listenTo(viewNamed(name));
   onInteraction(paint);
   onViews(paint);
-  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:personHover', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover', 'u:review', 'u:connected', 'u:playing'], paint);
+  watch(
+    [
+      ...SECTIONS,
+      'u:limb',
+      'u:mask',
+      'u:box',
+      'u:personHover',
+      'u:layout',
+      'u:dragging',
+      'u:tab',
+      'u:rings',
+      'u:keypointHover',
+      'u:review',
+      'u:connected',
+      'u:playing',
+    ],
+    paint,
+  );
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
   watch(['u:playing', 'file'], () => ui.playing && leave());

@@ -49,7 +49,11 @@ function lineTool(what, words) {
   const sendLine = ([a, b]) => send({ do: what, a, b });
   return {
     icon: 'floor',
-    hints: [['Drag', 'along the horizon, its ends, the line'], ['Alt ↑ ↓', 'move, with Shift turn'], ['Esc', 'done']],
+    hints: [
+      ['Drag', 'along the horizon, its ends, the line'],
+      ['Alt ↑ ↓', 'move, with Shift turn'],
+      ['Esc', 'done'],
+    ],
     words,
     /** On a handle, on the line, or where another line begins. */
     down(view, x, y) {
@@ -74,7 +78,10 @@ function lineTool(what, words) {
       if (!altKey || !way || !line) return false;
       const step = way * Math.max(1, KEY_STEP * server.camera.height);
       const [[left, high], [right, low]] = line;
-      sendLine([[left, shiftKey ? high : high + step], [right, low + step]]);
+      sendLine([
+        [left, shiftKey ? high : high + step],
+        [right, low + step],
+      ]);
       return true;
     },
     cursor: (view) => (hotGrip(view) === null ? 'crosshair' : 'move'),
@@ -84,12 +91,15 @@ function lineTool(what, words) {
 
 /** It says what is up in the world. In the guide its card says what to do. */
 export const horizon = lineTool('horizon', () =>
-  (ui.guideStep === null ? 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.' : ''));
+  ui.guideStep === null ? 'Drag along the horizon, or pull the line. The floor comes under the lower foot here.' : '',
+);
 
 /** It says how the camera is turned at this frame; what is up in the world stays. */
-export const cameraHorizon = lineTool('camera_horizon', () => (server.view.frame === 0
-  ? 'The first frame is the world’s own. Go to a frame where the line is off the horizon.'
-  : `Pull the line onto the horizon: the camera is turned at frame ${server.view.frame}, what is up stays.`));
+export const cameraHorizon = lineTool('camera_horizon', () =>
+  server.view.frame === 0
+    ? 'The first frame is the world’s own. Go to a frame where the line is off the horizon.'
+    : `Pull the line onto the horizon: the camera is turned at frame ${server.view.frame}, what is up stays.`,
+);
 
 const hotGrip = (view) => interaction.sketch.hold?.grip ?? gripAt(view, interaction.sketch.pointer);
 
@@ -114,8 +124,10 @@ function draw(view) {
   const path = pathOf(across(ends));
   return svg`<g class="sketch horizon">
     <path class="line-edge" d=${path} /><path class="line" d=${path} />
-    ${ends.map(([x, y], i) => svg`<circle class="corner ${i === hot ? 'hot' : ''}" cx=${x} cy=${y} r=${HANDLE_PX}
-      data-horizon=${i} />`)}
+    ${ends.map(
+      ([x, y], i) => svg`<circle class="corner ${i === hot ? 'hot' : ''}" cx=${x} cy=${y} r=${HANDLE_PX}
+      data-horizon=${i} />`,
+    )}
   </g>`;
 }
 
@@ -123,5 +135,8 @@ function draw(view) {
 function across([[ax, ay], [bx, by]]) {
   const far = 10_000 / Math.max(1, Math.hypot(bx - ax, by - ay));
   const along = [far * (bx - ax), far * (by - ay)];
-  return [[ax - along[0], ay - along[1]], [bx + along[0], by + along[1]]];
+  return [
+    [ax - along[0], ay - along[1]],
+    [bx + along[0], by + along[1]],
+  ];
 }

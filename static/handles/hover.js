@@ -81,7 +81,11 @@ function name(over) {
 function showName() {
   if (!interaction.over || ui.dragging) return;
   const { pointer } = interaction;
-  interaction.over = { ...interaction.over, named: true, at: pointer ? { x: pointer.x, y: pointer.y } : interaction.over.at };
+  interaction.over = {
+    ...interaction.over,
+    named: true,
+    at: pointer ? { x: pointer.x, y: pointer.y } : interaction.over.at,
+  };
   redrawSoon();
 }
 

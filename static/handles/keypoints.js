@@ -4,7 +4,16 @@
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { openMenuAt } from '../controls/menu.js';
 import { server, ui } from '../store/state.js';
-import { arcOf, correction, keypointActions, keypointsHere, percentOf, ringsAreShown, unsure, worstOf } from '../actions/keypoints.js';
+import {
+  arcOf,
+  correction,
+  keypointActions,
+  keypointsHere,
+  percentOf,
+  ringsAreShown,
+  unsure,
+  worstOf,
+} from '../actions/keypoints.js';
 import { beginDrag } from './drag.js';
 import { isDragged, isHot } from './interaction.js';
 import { distance } from './space.js';
@@ -22,8 +31,17 @@ export function keypointsIn(view) {
   return keypointsHere().map((point) => {
     const { frame } = server.keypoints;
     return {
-      key: `keypoint:${point.joint}`, kind: 'keypoint', point, label: '', reach: REACH, at: view.fromView(point.at), frame,
-      begin, click: stays, clickTwice: stays, menu: (place) => openKeypointMenu(point, frame, place),
+      key: `keypoint:${point.joint}`,
+      kind: 'keypoint',
+      point,
+      label: '',
+      reach: REACH,
+      at: view.fromView(point.at),
+      frame,
+      begin,
+      click: stays,
+      clickTwice: stays,
+      menu: (place) => openKeypointMenu(point, frame, place),
     };
   });
 }
@@ -32,7 +50,12 @@ const stays = () => {};
 
 function begin(view, press, target, from) {
   const { point, frame } = target;
-  const messageAt = (at) => correction(point, frame, [0, 1].map((k) => point.at[k] + at[k] - from[k]));
+  const messageAt = (at) =>
+    correction(
+      point,
+      frame,
+      [0, 1].map((k) => point.at[k] + at[k] - from[k]),
+    );
   beginDrag(view, press, messageAt, { target, hint: 'keypoint', gentle: true });
 }
 
@@ -58,17 +81,20 @@ function drawRing(view, ring) {
   return svg`<g class=${classes} data-keypoint=${point.joint}>
     <circle class="edge" cx=${x} cy=${y} r=${r} />
     <circle class="rest" cx=${x} cy=${y} r=${r} />
-    ${point.state === 'ignored'
-      ? svg`<path class="out" d="M${x - r} ${y + r}L${x + r} ${y - r}" />`
-      : svg`<path class="arc" d=${arcOf(x, y, r, point.sure)} />`}
+    ${
+      point.state === 'ignored'
+        ? svg`<path class="out" d="M${x - r} ${y + r}L${x + r} ${y - r}" />`
+        : svg`<path class="arc" d=${arcOf(x, y, r, point.sure)} />`
+    }
     ${point.state === 'corrected' ? svg`<circle class="set" cx=${x} cy=${y} r="2" />` : nothing}
   </g>`;
 }
 
 /** "Right wrist 58 %" beside the ring under the pointer; beside the worst one where it is unsure. */
 export function drawKeypointName(view, rings) {
-  const named = rings.find((ring) => isHot(view, ring) || isDragged(ring))
-    ?? rings.find(({ point }) => point.joint === (ui.keypointHover ?? worstOf(keypointsHere())?.joint));
+  const named =
+    rings.find((ring) => isHot(view, ring) || isDragged(ring)) ??
+    rings.find(({ point }) => point.joint === (ui.keypointHover ?? worstOf(keypointsHere())?.joint));
   if (!named) return nothing;
   const [x, y] = named.at;
   const left = x + LABEL_ROOM > view.el.clientWidth;

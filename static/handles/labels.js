@@ -28,14 +28,25 @@ function drawAngles(view) {
     if (!point || value === null) return nothing;
     const [left, top] = view.project(point);
     return Number.isFinite(left + top)
-      ? html`<div class="flt num jointangle ${side}" style="left:${left + AWAY}px;top:${top - AWAY}px">${degrees(value)}</div>` : nothing;
+      ? html`<div class="flt num jointangle ${side}" style="left:${left + AWAY}px;top:${top - AWAY}px">${degrees(value)}</div>`
+      : nothing;
   });
 }
 
 /** Draw a view's labels. */
 export function drawLabels(view) {
   const { keypoints } = targetsIn(view);
-  render([drawAngles(view), drawValue(view), drawName(view), drawSketchLabel(view), drawKeypointName(view, keypoints), ui.dragging ? nothing : drawPlaceName(view)], hostOf(view));
+  render(
+    [
+      drawAngles(view),
+      drawValue(view),
+      drawName(view),
+      drawSketchLabel(view),
+      drawKeypointName(view, keypoints),
+      ui.dragging ? nothing : drawPlaceName(view),
+    ],
+    hostOf(view),
+  );
 }
 
 function hostOf(view) {

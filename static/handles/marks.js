@@ -38,7 +38,7 @@ export function drawPinMarks(view) {
 function drawMark(view, pin, point, r) {
   const at = view.project(point);
   if (!isSeen(at)) return nothing;
-  const size = 2 * r * ANCHOR_SHARE / 2;
+  const size = (2 * r * ANCHOR_SHARE) / 2;
   return svg`<g class=${`pinmark ${colour(pin)}`} transform=${`translate(${at[0].toFixed(1)} ${at[1].toFixed(1)})`}>
     <circle r=${r} /><svg x=${-size / 2} y=${-size / 2} width=${size} height=${size} viewBox="0 0 16 16">${ANCHOR}</svg></g>`;
 }
@@ -106,10 +106,17 @@ export function trailKeysIn(view) {
 }
 
 /** A click goes to the frame. */
-const wayTo = (frame, key) => ({ ...key, kind: 'trail', frame, cursor: 'pointer', click: () => send({ do: 'go', frame }) });
+const wayTo = (frame, key) => ({
+  ...key,
+  kind: 'trail',
+  frame,
+  cursor: 'pointer',
+  click: () => send({ do: 'go', frame }),
+});
 
 /** In the free view they lie on the ways of the feet. */
-const keyOfWay = ({ part, frame, at, label }) => wayTo(frame, { key: `trail:${part}:${frame}`, at: at.slice(0, 2), label });
+const keyOfWay = ({ part, frame, at, label }) =>
+  wayTo(frame, { key: `trail:${part}:${frame}`, at: at.slice(0, 2), label });
 
 export function drawTrail(view, keys) {
   if (view.trailKeys) return svg`<g class="trail">${keys.map((target) => drawWayKey(view, target))}</g>`;
@@ -145,9 +152,11 @@ function drawKey(view, target) {
   const before = target.frame < server.view.frame;
   const left = leftOf(view, target, before);
   return svg`<path class="key" d="M${x} ${y - r}l${r} ${r}-${r} ${r}-${r}-${r}z" />
-    ${large
-      ? svg`<text class=${left ? 'left' : ''} x=${x + (left ? -9 : 9)} y=${y + 4}>${target.frame}</text>`
-      : nothing}`;
+    ${
+      large
+        ? svg`<text class=${left ? 'left' : ''} x=${x + (left ? -9 : 9)} y=${y + 4}>${target.frame}</text>`
+        : nothing
+    }`;
 }
 
 /** The number stands on the side away from where the motion goes on. */

@@ -31,7 +31,14 @@ export function masksIn(view) {
 function wholeOf(mask, corners) {
   const { index, polygon } = mask;
   return {
-    key: `mask:${index}`, kind: 'mask', index, polygon, label: 'Ignored', cursor: 'pointer', begin, clickTwice: () => {},
+    key: `mask:${index}`,
+    kind: 'mask',
+    index,
+    polygon,
+    label: 'Ignored',
+    cursor: 'pointer',
+    begin,
+    clickTwice: () => {},
     path: [...corners, corners[0]],
     change: (by) => ({ polygon: polygon.map((p) => [p[0] + by[0], p[1] + by[1]]) }),
   };
@@ -45,21 +52,41 @@ function cornersOf(mask, corners) {
     const between = [0, 1].map((k) => (polygon[i][k] + polygon[next][k]) / 2);
     const wider = [...polygon.slice(0, i + 1), between, ...polygon.slice(i + 1)];
     return [
-      { key: `corner:${index}:${i}`, kind: 'corner', index, at, begin, clickTwice: () => deleteCorner(index, polygon, i),
-        change: (by) => ({ polygon: moveCorner(polygon, i, by) }) },
-      { key: `edge:${index}:${i}`, kind: 'edge', index, at: middle, reach: 9, begin, clickTwice: () => {},
-        change: (by) => ({ polygon: moveCorner(wider, i + 1, by) }) },
+      {
+        key: `corner:${index}:${i}`,
+        kind: 'corner',
+        index,
+        at,
+        begin,
+        clickTwice: () => deleteCorner(index, polygon, i),
+        change: (by) => ({ polygon: moveCorner(polygon, i, by) }),
+      },
+      {
+        key: `edge:${index}:${i}`,
+        kind: 'edge',
+        index,
+        at: middle,
+        reach: 9,
+        begin,
+        clickTwice: () => {},
+        change: (by) => ({ polygon: moveCorner(wider, i + 1, by) }),
+      },
     ];
   });
 }
 
-const moveCorner = (polygon, i, by) =>
-  polygon.map((p, k) => (k === i ? [p[0] + by[0], p[1] + by[1]] : p));
+const moveCorner = (polygon, i, by) => polygon.map((p, k) => (k === i ? [p[0] + by[0], p[1] + by[1]] : p));
 
 /** The mask whose inside lies under a place of the main view. */
 export function maskAt(view, x, y) {
   if (view.name !== 'main') return null;
-  const found = masksHere().find(({ polygon }) => inside(polygon.map((p) => view.fromView(p)), x, y));
+  const found = masksHere().find(({ polygon }) =>
+    inside(
+      polygon.map((p) => view.fromView(p)),
+      x,
+      y,
+    ),
+  );
   return found ?? null;
 }
 
@@ -78,7 +105,11 @@ function deleteCorner(index, polygon, corner) {
 }
 
 function begin(view, press, target, from) {
-  const messageAt = (at) => ({ do: 'change_mask', index: target.index, ...target.change([at[0] - from[0], at[1] - from[1]]) });
+  const messageAt = (at) => ({
+    do: 'change_mask',
+    index: target.index,
+    ...target.change([at[0] - from[0], at[1] - from[1]]),
+  });
   beginDrag(view, press, messageAt, { target, hint: 'mask', gentle: true });
 }
 
@@ -110,7 +141,10 @@ function hatch(corners) {
     const xs = corners.flatMap((a, i) => crossing(a, corners[(i + 1) % corners.length], sum));
     xs.sort((p, q) => p - q);
     for (let i = 0; i + 1 < xs.length; i += 2) {
-      d += pathOf([[xs[i], sum - xs[i]], [xs[i + 1], sum - xs[i + 1]]]);
+      d += pathOf([
+        [xs[i], sum - xs[i]],
+        [xs[i + 1], sum - xs[i + 1]],
+      ]);
     }
   }
   return d;

@@ -38,7 +38,14 @@ const missing = () => (isFirst() ? FEWEST : first.spots.length) - (here()?.spots
 /** @type {import('./sketch.js').Tool} */
 export const cameraMatch = {
   icon: 'link',
-  hints: [['Click', 'mark a point'], ['Drag', 'move one'], ['← →', 'another frame'], ['Enter', 'correct the camera'], ['Backspace', 'remove the last'], ['Esc', 'done']],
+  hints: [
+    ['Click', 'mark a point'],
+    ['Drag', 'move one'],
+    ['← →', 'another frame'],
+    ['Enter', 'correct the camera'],
+    ['Backspace', 'remove the last'],
+    ['Esc', 'done'],
+  ],
   words() {
     const next = (here()?.spots.length ?? 0) + 1;
     if (isFirst()) {
@@ -46,7 +53,9 @@ export const cameraMatch = {
         ? `Click point ${next} of the background, sharp and far from the others.`
         : 'Go to another frame and click the same points in the same order, or click more here.';
     }
-    return missing() > 0 ? `Click where point ${next} of frame ${first.frame} is seen here.` : 'All points are marked. Drag what is off.';
+    return missing() > 0
+      ? `Click where point ${next} of frame ${first.frame} is seen here.`
+      : 'All points are marked. Drag what is off.';
   },
   done() {
     if (isFirst()) return null;
@@ -143,7 +152,10 @@ function expected(view, i) {
   const far = [((u - cx) / fx) * FAR_M, ((v - cy) / fy) * FAR_M, FAR_M];
   const [x, y, z] = movedBack(moved(far, first.T), server.camera_here);
   if (z <= 0) return nothing;
-  const [sx, sy] = view.fromView([server.camera.cx + (server.camera.fx * x) / z, server.camera.cy + (server.camera.fy * y) / z]);
+  const [sx, sy] = view.fromView([
+    server.camera.cx + (server.camera.fx * x) / z,
+    server.camera.cy + (server.camera.fy * y) / z,
+  ]);
   return svg`<g class="expected"><circle class="ring-edge" cx=${sx} cy=${sy} r=${RADIUS} /><circle class="ring" cx=${sx} cy=${sy} r=${RADIUS} />${badge(sx, sy, i)}</g>`;
 }
 

@@ -12,10 +12,17 @@ const SAME_PX = 4;
 /** @type {import('./sketch.js').Tool} */
 export const outline = {
   icon: 'loop',
-  hints: [['Click', 'corner'], ['Enter', 'close'], ['Backspace', 'remove the last corner'], ['Esc', 'cancel']],
+  hints: [
+    ['Click', 'corner'],
+    ['Enter', 'close'],
+    ['Backspace', 'remove the last corner'],
+    ['Esc', 'cancel'],
+  ],
   words() {
     const begun = interaction.sketch.points.length;
-    if (!begun) return 'Click around what moves but is not the body: it counts neither for tracking nor for the camera’s motion.';
+    if (!begun) {
+      return 'Click around what moves but is not the body: it counts neither for tracking nor for the camera’s motion.';
+    }
     if (begun < 3) return 'Keep clicking. Backspace removes the last corner, Esc cancels.';
     return 'Press Enter or click the first corner to close. Backspace removes the last corner, Esc cancels.';
   },

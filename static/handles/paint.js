@@ -62,6 +62,9 @@ function drawHover(view) {
   const over = interaction.over;
   if (over?.view !== view.name || !over.outline.length || ui.dragging) return nothing;
   const side = partNamed(over.part)?.side ?? 'C';
-  const d = pathOf(over.outline.map((p) => view.fromView(p)), true);
+  const d = pathOf(
+    over.outline.map((p) => view.fromView(p)),
+    true,
+  );
   return svg`<path class="outline-edge" d=${d} /><path class="outline ${side}" d=${d} />`;
 }

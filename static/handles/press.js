@@ -119,7 +119,17 @@ function down(view, event) {
   event.preventDefault();
   document.activeElement?.blur?.();
   view.over.setPointerCapture(event.pointerId);
-  press = { view, id: event.pointerId, button: event.button, x, y, state: 'still', target: null, picked: null, releasedAt: 0 };
+  press = {
+    view,
+    id: event.pointerId,
+    button: event.button,
+    x,
+    y,
+    state: 'still',
+    target: null,
+    picked: null,
+    releasedAt: 0,
+  };
   begin(view, event, x, y);
 }
 

@@ -57,7 +57,17 @@ function ringOf(view, ring) {
     points.push([x, y, depth - middle[2] <= 0.03 * ring.radius]);
   }
   const key = `ring:${ring.part.name}:${ring.axis}`;
-  return { ...ring, key, kind: 'ring', label: labelOf(ring), middle, points, front: frontOf(points), click: stays, clickTwice: stays };
+  return {
+    ...ring,
+    key,
+    kind: 'ring',
+    label: labelOf(ring),
+    middle,
+    points,
+    front: frontOf(points),
+    click: stays,
+    clickTwice: stays,
+  };
 }
 
 /** A point of the ring, at an angle from e1 toward e2. */
@@ -72,7 +82,10 @@ function frontOf(points) {
   const begin = ring.findIndex((p, i) => p[2] && !ring.at(i - 1)[2]);
   if (begin < 0) return ring.every((p) => p[2]) ? points : [];
   const turned = [...ring.slice(begin), ...ring.slice(0, begin)];
-  return turned.slice(0, turned.findIndex((p) => !p[2]));
+  return turned.slice(
+    0,
+    turned.findIndex((p) => !p[2]),
+  );
 }
 
 /** Give each ring the place of its letter: clear of handles, of the joint and of one another. */
@@ -101,7 +114,6 @@ function angleAt(ring, x, y) {
   return (nearestOnPath(ring.points, x, y).place / STEPS) * 2 * Math.PI;
 }
 
-
 export function drawRings(view, rings) {
   if (!rings.length) return nothing;
   const gesture = server.pose.gesture;
@@ -109,7 +121,15 @@ export function drawRings(view, rings) {
   const [x, y] = rings[0].middle;
   return svg`<g class="rings ${turning ? 'turning' : ''}">
     ${rings.map((ring) => drawRing(view, ring, turning))}
-    ${turning ? drawWedge(view, rings.find((ring) => ring.axis === turning), gesture) : nothing}
+    ${
+      turning
+        ? drawWedge(
+            view,
+            rings.find((ring) => ring.axis === turning),
+            gesture,
+          )
+        : nothing
+    }
     ${hasGrip(rings[0].part) ? nothing : svg`<circle class="joint" cx=${x} cy=${y} r=${isLarge(view) ? 3 : 2.5} />`}
   </g>`;
 }

@@ -21,7 +21,13 @@ export function click(view, { x, y, time: now }, pressed, parts) {
   const part = target ? partOf(target) : partAt(parts, same && !twice);
   if (twice) clickTwice(view, x, y, target);
   else clickOnce(view, x, y, target, part);
-  last = { time: twice ? -Infinity : now, view: view.name, at: [x, y], frame: server.view.frame, part: twice ? last.part : part };
+  last = {
+    time: twice ? -Infinity : now,
+    view: view.name,
+    at: [x, y],
+    frame: server.view.frame,
+    part: twice ? last.part : part,
+  };
 }
 
 /** Where handles lie over each other, the pressed one is meant until the pointer leaves it. */

@@ -80,7 +80,7 @@ export function sketchKey(event, key) {
 }
 
 /** What the pointer over a view would do with the tool in hand. */
-export const sketchCursor = (view) => (view.name === 'main' ? drawingTool()?.cursor?.(view) ?? 'crosshair' : '');
+export const sketchCursor = (view) => (view.name === 'main' ? (drawingTool()?.cursor?.(view) ?? 'crosshair') : '');
 
 export const drawSketch = (view) => (view.name === 'main' ? drawingTool()?.draw(view) : nothing);
 export const drawSketchLabel = (view) => (view.name === 'main' ? drawingTool()?.label?.(view) : nothing);

@@ -21,7 +21,13 @@ export function originOf(T) {
 
 /** The axes of a view: the camera's own, or the rows of R_view_camera. */
 export function axesOfView(R) {
-  return R ?? [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  return (
+    R ?? [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0, 0, 1],
+    ]
+  );
 }
 
 /** Distance of two points on the screen. */

@@ -72,9 +72,17 @@ const FINGER = 1.7;
 const SURE = 0.7;
 
 /** Whether there is a body to take hold of, and an eye that sees it. */
-export const isReady = (view) => Boolean(
-  server.file && server.pose && server.body && server.view && server.views && view.eye && view.isShown && !view.isEmpty,
-);
+export const isReady = (view) =>
+  Boolean(
+    server.file &&
+    server.pose &&
+    server.body &&
+    server.view &&
+    server.views &&
+    view.eye &&
+    view.isShown &&
+    !view.isEmpty,
+  );
 
 /** All targets of a view by kind; empty before a file is open. */
 export function targetsIn(view) {

@@ -28,12 +28,23 @@ const IDLE_TOOL_HINTS = {
   move: [['Drag', 'move the whole body in the image plane'], FINE, DEPTH, BACK],
   ends: [['Drag', 'pull a hand or foot, the limb follows'], DEPTH, FINE, CENTIMETRES],
   size: [['Drag', 'cap: length, rim: radius, cross: joint'], FINE, CENTIMETRES, BACK],
-  pan: [['Drag', 'pan'], ['Wheel', 'zoom at the pointer'], ['0', 'fit']],
+  pan: [
+    ['Drag', 'pan'],
+    ['Wheel', 'zoom at the pointer'],
+    ['0', 'fit'],
+  ],
 };
 
 /** Of a body without hands and feet: a thing. */
-const RESTING_ON_THING = [['Click', 'select; click again for what is behind'], ['Drag', 'move the body, rotate a part']];
-const RESTING_ON_BOX = [['Drag', 'a corner to where you see it: four give the pose'], ['Drag', 'elsewhere, move the box'], LET_GO];
+const RESTING_ON_THING = [
+  ['Click', 'select; click again for what is behind'],
+  ['Drag', 'move the body, rotate a part'],
+];
+const RESTING_ON_BOX = [
+  ['Drag', 'a corner to where you see it: four give the pose'],
+  ['Drag', 'elsewhere, move the box'],
+  LET_GO,
+];
 
 const HOLDING = {
   ring: (axis) => [['Drag', `rotate about ${axis}`], ...carrying(), FINE, DEGREES, FREE, BACK],
@@ -50,8 +61,11 @@ const HOLDING = {
 };
 
 const IN_FREE_VIEW = [
-  ['Right drag', 'orbit'], ['Shift right drag', 'pan'], ['Wheel', 'nearer or farther'],
-  ['6', 'back to the view before'], ['0', 'reset the view'],
+  ['Right drag', 'orbit'],
+  ['Shift right drag', 'pan'],
+  ['Wheel', 'nearer or farther'],
+  ['6', 'back to the view before'],
+  ['0', 'reset the view'],
 ];
 /** Where hands and feet stay unless they are carried: the drag is of a part that they hang on. */
 function carrying() {
@@ -72,7 +86,9 @@ export function hintsFor(tool, dragging, layout) {
 }
 
 function restingHints(tool) {
-  if (tool !== 'select' || !server.body || ends().length) return DRAWING[tool]?.hints ?? IDLE_TOOL_HINTS[tool] ?? IDLE_TOOL_HINTS.select;
+  if (tool !== 'select' || !server.body || ends().length) {
+    return DRAWING[tool]?.hints ?? IDLE_TOOL_HINTS[tool] ?? IDLE_TOOL_HINTS.select;
+  }
   return boxCornersIn(viewNamed('main')).length ? RESTING_ON_BOX : RESTING_ON_THING;
 }
 

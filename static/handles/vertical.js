@@ -17,8 +17,14 @@ const drawn = (view) => svg`<g class="sketch"><path d=${pathOf(before.map((spot)
 /** @type {import('./sketch.js').Tool} */
 export const vertical = {
   icon: 'mid',
-  hints: [['Drag', 'along something upright, then along a second'], ['Esc', 'done']],
-  words: () => (before ? 'Now along a second one, far from the first: both show how the camera tilts.' : 'Drag along something upright: a wall, a door, a pole.'),
+  hints: [
+    ['Drag', 'along something upright, then along a second'],
+    ['Esc', 'done'],
+  ],
+  words: () =>
+    before
+      ? 'Now along a second one, far from the first: both show how the camera tilts.'
+      : 'Drag along something upright: a wall, a door, a pole.',
   down: (view, x, y) => void (interaction.sketch.points = [view.toView([x, y])]),
   up(view, x, y) {
     const [a] = interaction.sketch.points;

@@ -20,8 +20,12 @@ import { isReady, targetAt } from './targets.js';
 export function freeEntries(view, part = null) {
   const look = (words, axis) => ({ label: words, icon: 'camc', run: () => view.alongAxis(axis) });
   return [
-    ...orbitEntries(view, part?.name), line,
-    look('Look from the side', 'x'), look('Look from above', 'y'), look('Look from the front', 'z'), line,
+    ...orbitEntries(view, part?.name),
+    line,
+    look('Look from the side', 'x'),
+    look('Look from above', 'y'),
+    look('Look from the front', 'z'),
+    line,
     ...contextEntries('eye'),
   ];
 }
@@ -30,7 +34,12 @@ export function freeEntries(view, part = null) {
 export function orbitEntries(view, part) {
   const { about, follows, turns } = view.habits;
   return [
-    { label: part ? `About ${partNamed(part).label.toLowerCase()}` : 'About the part', icon: 'rot', checked: about === 'part', run: () => view.choose('about', 'part') },
+    {
+      label: part ? `About ${partNamed(part).label.toLowerCase()}` : 'About the part',
+      icon: 'rot',
+      checked: about === 'part',
+      run: () => view.choose('about', 'part'),
+    },
     { label: 'About the body', icon: 'rot', checked: about === 'body', run: () => view.choose('about', 'body') },
     { label: 'Follow the body', icon: 'move', checked: follows, run: () => view.choose('follows', !follows) },
     { label: 'Turntable while playing', icon: 'play', checked: turns, run: () => view.choose('turns', !turns) },
@@ -56,7 +65,8 @@ export function pinEntries(part, at = null) {
     pin.floor ? null : menuItem('pinToFloor', part),
     now > pin.first ? menuItem('beginPin', part) : null,
     now < pin.last ? menuItem('endPin', part) : null,
-    line, menuItem('unpin', here, { right: framesOf(pin) }),
+    line,
+    menuItem('unpin', here, { right: framesOf(pin) }),
   ];
 }
 

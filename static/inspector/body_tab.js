@@ -23,7 +23,9 @@ export function sizesPreview() {
   const large = found.changes.filter(isLarge);
   const small = found.changes.filter((one) => !isLarge(one));
   const basis = found.keyframes === 1 ? '1 keyframe' : `${found.keyframes} keyframes`;
-  return section('Fit sizes', html`
+  return section(
+    'Fit sizes',
+    html`
     ${error(found.error)}
     <div class="newsizes" role="table" aria-label="New sizes in centimetres">
       <div class="row dim head" role="row"><span>cm</span><span>Before</span><i></i><span>After</span><span>Change</span></div>
@@ -34,7 +36,9 @@ export function sizesPreview() {
     </div>
     ${small.length ? more(small.length) : nothing}
     ${poses(found)}
-    ${answer()}`, html`<span class="dim num">${basis}</span>`);
+    ${answer()}`,
+    html`<span class="dim num">${basis}</span>`,
+  );
 }
 
 const isLarge = ({ before, after }) => Math.abs(after - before) >= LEAST_CM;
@@ -74,8 +78,11 @@ function poses(found) {
   const off = found.choice ? '' : 'Without other poses these sizes do not fit better';
   return html`<div class="adjust">
     ${checkbox({
-      label: 'Also adjust keyframe poses', on: found.poses, off,
-      act: (on) => send({ do: 'preview_poses', on }), title: 'Turn limbs so that they fit with the new sizes',
+      label: 'Also adjust keyframe poses',
+      on: found.poses,
+      off,
+      act: (on) => send({ do: 'preview_poses', on }),
+      title: 'Turn limbs so that they fit with the new sizes',
     })}
     <div class="row dim"><span>at most ${Math.ceil(most)}°, in ${found.turns.length} of ${found.keyframes} keyframes</span>
       <span class="sp"></span>
@@ -115,7 +122,9 @@ export function freedom() {
       ${parts.length ? nothing : html`<p class="note">Select a part to choose its tracked motions.</p>`}
       <p class="note">Whole body: ${server.body.dof_count} of ${server.body.dof_total}</p>`,
     iconButton({
-      name: 'more', label: all ? 'The selected part only' : 'All parts', pressed: all,
+      name: 'more',
+      label: all ? 'The selected part only' : 'All parts',
+      pressed: all,
       act: () => setUi('allFreedoms', !all),
     }),
   );
@@ -169,17 +178,25 @@ function whole() {
   const unedited = preset ? 'These are the preset’s own sizes' : 'This body comes from no preset';
   return section(
     'Body',
-    html`${line('Preset', dropdown({
-      label: 'Preset', value: body.edited ? null : body.preset,
-      text: body.edited ? `${name}, edited` : name,
-      options: body.presets.map((one) => ({
-        id: one.name, label: one.label, group: one.is_object ? 'Objects' : 'People',
-      })),
-      act: (id) => send({ do: 'preset', name: id }),
-      title: 'Use the sizes of a preset body. Keyframes are kept',
-    }))}${height()}${hasPairs() ? link() : nothing}${clavicles()}${fitSizesRow()}`,
+    html`${line(
+      'Preset',
+      dropdown({
+        label: 'Preset',
+        value: body.edited ? null : body.preset,
+        text: body.edited ? `${name}, edited` : name,
+        options: body.presets.map((one) => ({
+          id: one.name,
+          label: one.label,
+          group: one.is_object ? 'Objects' : 'People',
+        })),
+        act: (id) => send({ do: 'preset', name: id }),
+        title: 'Use the sizes of a preset body. Keyframes are kept',
+      }),
+    )}${height()}${hasPairs() ? link() : nothing}${clavicles()}${fitSizesRow()}`,
     html`${fromFile()}${iconButton({
-      name: 'reset', label: 'Reset to preset', act: () => send({ do: 'reset_body' }),
+      name: 'reset',
+      label: 'Reset to preset',
+      act: () => send({ do: 'reset_body' }),
       off: preset && body.edited ? '' : unedited,
     })}`,
   );
@@ -208,8 +225,15 @@ function height() {
   const person = server.body.height_cm > HEIGHTS_CM[0] && server.body.height_cm < HEIGHTS_CM[1];
   return measure(
     {
-      key: 'height', label: 'Height', value: server.body.height_cm, unit: 'cm', step: 0.5, coarse: 5,
-      min: 1, max: 10000, edit: (cm) => ({ do: 'height', cm }),
+      key: 'height',
+      label: 'Height',
+      value: server.body.height_cm,
+      unit: 'cm',
+      step: 0.5,
+      coarse: 5,
+      min: 1,
+      max: 10000,
+      edit: (cm) => ({ do: 'height', cm }),
       title: 'From the soles to the top of the head. Scales the whole body',
     },
     person ? HEIGHTS_CM : null,
@@ -221,7 +245,9 @@ function clavicles() {
   const on = server.body.clavicles;
   if (on === null) return nothing;
   return checkbox({
-    label: 'Movable shoulders', on, act: (wanted) => send({ do: 'clavicles', on: wanted }),
+    label: 'Movable shoulders',
+    on,
+    act: (wanted) => send({ do: 'clavicles', on: wanted }),
     title: on
       ? 'Remove the clavicles. Arms keep their directions'
       : 'Add a clavicle on each side, which lifts the shoulder and swings it forward. Poses stay as they are',
@@ -234,7 +260,9 @@ function hasPairs() {
 
 function link() {
   return checkbox({
-    label: 'Same sizes left and right', on: server.view.link, act: (on) => send({ do: 'link', on }),
+    label: 'Same sizes left and right',
+    on: server.view.link,
+    act: (on) => send({ do: 'link', on }),
   });
 }
 
@@ -244,7 +272,9 @@ function fitSizesRow() {
   return html`<div class="row fitsizes">
     ${actionButton('fitSizes')}
     ${checkbox({
-      label: 'With focal length', on: fitsFocal(), act: (on) => setUi('fitFocal', on),
+      label: 'With focal length',
+      on: fitsFocal(),
+      act: (on) => setUi('fitFocal', on),
       title: 'Estimate the focal length as well, if it is only a guess',
     })}
   </div>`;

@@ -4,7 +4,15 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionBox, actionButton } from '../actions/buttons.js';
 import {
-  cameraFindings, cameraKeys, cameraKind, cameraWords, hasFrames, isCameraUnknown, isFindingCamera, motion, visitFinding,
+  cameraFindings,
+  cameraKeys,
+  cameraKind,
+  cameraWords,
+  hasFrames,
+  isCameraUnknown,
+  isFindingCamera,
+  motion,
+  visitFinding,
 } from '../actions/camera.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { iconButton, segmented } from '../controls/fields.js';
@@ -18,7 +26,10 @@ import { drawingButton, line, measure, section } from './section.js';
 const KINDS = /** @type {const} */ ({ static: 'cameraStands', turns: 'cameraTurns', moves: 'cameraMoves' });
 
 export function cameraMotion() {
-  return section('Motion', html`${known()}${line('Camera', kinds())}${finding()}${points()}${ways()}${doubts()}${corrections()}${leave()}`);
+  return section(
+    'Motion',
+    html`${known()}${line('Camera', kinds())}${finding()}${points()}${ways()}${doubts()}${corrections()}${leave()}`,
+  );
 }
 
 /** In one line; while it is being found, how far that is. */
@@ -34,7 +45,10 @@ function known() {
 function kinds() {
   const option = (id) => ({ id, label: labelOf(KINDS[id]), title: titleOf(KINDS[id]), off: whyNot(KINDS[id]) });
   return segmented({
-    label: 'How the camera moves', value: cameraKind(), options: Object.keys(KINDS).map(option), act: (id) => perform(KINDS[id]),
+    label: 'How the camera moves',
+    value: cameraKind(),
+    options: Object.keys(KINDS).map(option),
+    act: (id) => perform(KINDS[id]),
   });
 }
 
@@ -50,7 +64,9 @@ function points() {
 }
 
 function counted() {
-  if (!server.background) return html`<p class="note">The points are no longer there. ${labelOf('findCamera')} again to see them.</p>`;
+  if (!server.background) {
+    return html`<p class="note">The points are no longer there. ${labelOf('findCamera')} again to see them.</p>`;
+  }
   const { good } = server.background;
   const agree = good.filter(Boolean).length;
   if (!good.length) return html`<p class="note">None could be followed here.</p>`;
@@ -64,12 +80,25 @@ const sign = (kind) => html`<svg class=${`bgsign ${kind}`} viewBox="-5 -5 10 10"
 /** How far it went, found or asked for: until that is known, its path has no scale. */
 function ways() {
   const all = motion()?.ways ?? [];
-  return all.map((way) => measure({
-    key: `camera-way-${way.first}`, label: 'How far the camera went from where it began', value: way.metres,
-    text: all.length > 1 ? `Went, ${way.first}–${way.last}` : 'Went', unit: 'm', decimals: 2, step: 0.1, coarse: 1, min: 0.01, max: 10000,
-    title: way.off_m === null ? 'From where it was at first to the farthest place. Gives its path a scale' : `± ${way.off_m} m, by where feet stand. Type it if you know it better`,
-    edit: (metres) => ({ do: 'camera_far', first: way.first, metres }),
-  }));
+  return all.map((way) =>
+    measure({
+      key: `camera-way-${way.first}`,
+      label: 'How far the camera went from where it began',
+      value: way.metres,
+      text: all.length > 1 ? `Went, ${way.first}–${way.last}` : 'Went',
+      unit: 'm',
+      decimals: 2,
+      step: 0.1,
+      coarse: 1,
+      min: 0.01,
+      max: 10000,
+      title:
+        way.off_m === null
+          ? 'From where it was at first to the farthest place. Gives its path a scale'
+          : `± ${way.off_m} m, by where feet stand. Type it if you know it better`,
+      edit: (metres) => ({ do: 'camera_far', first: way.first, metres }),
+    }),
+  );
 }
 
 /** What is not known of it, or not as surely. */
@@ -89,14 +118,24 @@ function doubt(found) {
 
 function corrections() {
   if (!motion()) return nothing;
-  return html`${cameraKeys().length ? html`<h3 aria-level="3" class="camkeys-head">Corrected at</h3>
-    <ul class="camkeys">${cameraKeys().map(corrected)}</ul>` : nothing}
+  return html`${
+    cameraKeys().length
+      ? html`<h3 aria-level="3" class="camkeys-head">Corrected at</h3>
+    <ul class="camkeys">${cameraKeys().map(corrected)}</ul>`
+      : nothing
+  }
     ${drawingButton('cameraHorizon', {
-      name: 'floor', label: labelOf('cameraHorizon'), busy: 'Pull the line onto the horizon', title: titleOf('cameraHorizon'),
+      name: 'floor',
+      label: labelOf('cameraHorizon'),
+      busy: 'Pull the line onto the horizon',
+      title: titleOf('cameraHorizon'),
       off: whyNot('cameraHorizon'),
     })}
     ${drawingButton('cameraMatch', {
-      name: 'link', label: labelOf('cameraMatch'), busy: 'Mark points in two frames', title: titleOf('cameraMatch'),
+      name: 'link',
+      label: labelOf('cameraMatch'),
+      busy: 'Mark points in two frames',
+      title: titleOf('cameraMatch'),
       off: whyNot('cameraMatch'),
     })}`;
 }
@@ -114,4 +153,5 @@ function visit(at) {
   goTo(at);
 }
 
-const leave = () => (whyNot('forgetCamera') ? nothing : actionButton('forgetCamera', undefined, { kind: 'full ghost' }));
+const leave = () =>
+  whyNot('forgetCamera') ? nothing : actionButton('forgetCamera', undefined, { kind: 'full ghost' });

@@ -22,8 +22,12 @@ export function keypoints() {
     <div class="kps-foot">
       <button type="button" class="btn sm ${isOn('rings') ? 'on' : ''}" aria-pressed=${isOn('rings')}
         title=${titleOf('rings')} data-key=${keyOf('rings') || nothing} @click=${() => perform('rings')}>${labelOf('rings')}</button>
-      ${points.length > FEW ? html`<button type="button" class="btn sm ghost" aria-expanded=${Boolean(ui.allKeypoints)}
-        @click=${() => setUi('allKeypoints', !ui.allKeypoints)}>${ui.allKeypoints ? 'Fewer' : `All ${points.length}`}</button>` : nothing}
+      ${
+        points.length > FEW
+          ? html`<button type="button" class="btn sm ghost" aria-expanded=${Boolean(ui.allKeypoints)}
+        @click=${() => setUi('allKeypoints', !ui.allKeypoints)}>${ui.allKeypoints ? 'Fewer' : `All ${points.length}`}</button>`
+          : nothing
+      }
     </div>`,
   );
 }
@@ -50,19 +54,27 @@ export function masks() {
   const list = server.masks ?? [];
   return section(
     'Ignore masks',
-    html`${list.map(mask)}${list.length ? nothing : html`<p class="note">
+    html`${list.map(mask)}${
+      list.length
+        ? nothing
+        : html`<p class="note">
         Cover what moves but is not the body: a passer-by, a screen, a shadow. It counts neither for
         tracking nor for the camera’s motion.
-      </p>`}
+      </p>`
+    }
     ${drawMask()}`,
   );
 }
 
 /** The button that takes up the mask tool. */
-export const drawMask = () => drawingButton('mask', {
-  name: 'plus', label: 'Draw a mask in the image', busy: 'Click the corners, then press Enter',
-  title: 'Cover what moves but is not the body: click around it. It counts neither for tracking nor for the camera’s motion',
-});
+export const drawMask = () =>
+  drawingButton('mask', {
+    name: 'plus',
+    label: 'Draw a mask in the image',
+    busy: 'Click the corners, then press Enter',
+    title:
+      'Cover what moves but is not the body: click around it. It counts neither for tracking nor for the camera’s motion',
+  });
 
 function mask(one, index) {
   const here = one.first <= server.view.frame && server.view.frame <= one.last;
@@ -82,13 +94,17 @@ function mask(one, index) {
       ${index + 1}
     </button>
     ${textField({
-      label: `Note on mask ${index + 1}`, value: one.note, placeholder: 'Note',
+      label: `Note on mask ${index + 1}`,
+      value: one.note,
+      placeholder: 'Note',
       act: (note) => send(change({ note })),
     })}
     ${numberField(end(index, 'first', one.first, 0, one.last, change))}<span class="dim">–</span>
     ${numberField(end(index, 'last', one.last, one.first, server.file.frames - 1, change))}
     ${iconButton({
-      name: 'trash', label: `Delete mask ${index + 1}`, act: () => send({ do: 'delete_mask', index }),
+      name: 'trash',
+      label: `Delete mask ${index + 1}`,
+      act: () => send({ do: 'delete_mask', index }),
     })}
   </div>`;
 }
@@ -102,7 +118,14 @@ function choose(one, index, here) {
 function end(index, side, value, min, max, change) {
   const label = side === 'first' ? 'First frame' : 'Last frame';
   return {
-    key: `mask.${index}.${side}`, label, value, min, max, decimals: 0, step: 1, coarse: 10,
+    key: `mask.${index}.${side}`,
+    label,
+    value,
+    min,
+    max,
+    decimals: 0,
+    step: 1,
+    coarse: 10,
     edit: (frame) => change({ [side]: Math.round(frame) }),
   };
 }
@@ -125,7 +148,11 @@ function row(cue) {
   const { id, label, title, off } = cue;
   return html`<div class="cue">
     ${switchField({
-      label, title: title || label, on: isUsed(cue), off, stays: isLast(cue) ? 'At least one cue stays on' : '',
+      label,
+      title: title || label,
+      on: isUsed(cue),
+      off,
+      stays: isLast(cue) ? 'At least one cue stays on' : '',
       act: (on) => send({ do: 'settings', cues: chosen(id, on) }),
     })}
     ${off ? html`<span class="dim cut" title=${off}>${off}</span>` : nothing}
@@ -136,12 +163,21 @@ function row(cue) {
 function network() {
   const chosenOne = server.networks.find((each) => each.chosen);
   const options = server.networks.map(({ id, label, mb, remedy }) => ({
-    id, label, note: remedy || `${mb} MB`, off: remedy ? `Not installed. Run ${remedy}` : '',
+    id,
+    label,
+    note: remedy || `${mb} MB`,
+    off: remedy ? `Not installed. Run ${remedy}` : '',
   }));
-  return html`${line('Network', dropdown({
-    label: 'Network', value: chosenOne?.id, options, title: 'What finds keypoints. A larger one is more exact and slower',
-    act: (id) => send({ do: 'settings', network: id }),
-  }))}
+  return html`${line(
+    'Network',
+    dropdown({
+      label: 'Network',
+      value: chosenOne?.id,
+      options,
+      title: 'What finds keypoints. A larger one is more exact and slower',
+      act: (id) => send({ do: 'settings', network: id }),
+    }),
+  )}
   ${chosenOne?.remedy ? html`<p class="note warned">${icon('warn')}<span>${chosenOne.label} is not installed: run <code>${chosenOne.remedy}</code></span></p>` : nothing}`;
 }
 

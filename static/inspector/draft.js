@@ -5,7 +5,16 @@ import { server, ui } from '../store/state.js';
 import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { goTo, placesToConfirm, stopPlaying } from '../actions/playhead.js';
 import {
-  boxFrameFor, draftCount, draftRange, draftTimeWords, nobodyWords, reasonOf, restCount, setDraftRange, smallWords, whyNotDraftable,
+  boxFrameFor,
+  draftCount,
+  draftRange,
+  draftTimeWords,
+  nobodyWords,
+  reasonOf,
+  restCount,
+  setDraftRange,
+  smallWords,
+  whyNotDraftable,
 } from '../actions/drafting.js';
 import { button } from '../controls/fields.js';
 import { textField } from '../controls/buttons.js';
@@ -21,7 +30,9 @@ export function draft() {
     html`<p class="note">Finds the person in every frame and poses the body there. Runs on this computer only.</p>
     ${line('Frames', frames())}
     ${drawingButton('box', {
-      name: 'crop', label: 'Draw a box', busy: 'Drag a box around the person',
+      name: 'crop',
+      label: 'Draw a box',
+      busy: 'Drag a box around the person',
       title: 'Show which person: drag a box around them, in any frame that shows the whole body',
     })}
     ${ui.tool === 'box' ? begun() : html`${rest()}${nobody()}${places()}`}`,
@@ -31,9 +42,13 @@ export function draft() {
 /** The first and the last frame to draft. */
 function frames() {
   const [first, last] = draftRange();
-  const field = (label, value, act) => textField({
-    label, value: String(value), most: 8, act: (text) => /^\d+$/.test(text) ? act(Number(text)) : act(value),
-  });
+  const field = (label, value, act) =>
+    textField({
+      label,
+      value: String(value),
+      most: 8,
+      act: (text) => (/^\d+$/.test(text) ? act(Number(text)) : act(value)),
+    });
   return html`<span class="range">
     ${field('First frame to draft', first, (at) => setDraftRange(at, last))}
     <span class="dim">to</span>
@@ -45,7 +60,11 @@ function frames() {
 function rest() {
   if (!restCount()) return nothing;
   return html`${button({
-    name: 'wand', label: labelOf('draftRest'), title: titleOf('draftRest'), kind: 'full', off: whyNot('draftRest'),
+    name: 'wand',
+    label: labelOf('draftRest'),
+    title: titleOf('draftRest'),
+    kind: 'full',
+    off: whyNot('draftRest'),
     act: () => perform('draftRest'),
   })}${time(restCount())}`;
 }
@@ -70,10 +89,12 @@ function places() {
   if (all.length === 0) return nothing;
   return html`<div class="places" role="group" aria-label="Places to confirm">
     <h3 aria-level="2">To confirm: correct the pose there, then press K</h3>
-    ${all.map((place, i) => html`<button type="button" class="listrow place ${place.frame === server.view.frame ? 'sel' : ''}"
+    ${all.map(
+      (place, i) => html`<button type="button" class="listrow place ${place.frame === server.view.frame ? 'sel' : ''}"
       title=${`${reasonOf(place)}. Go to frame ${place.frame}`} @click=${() => (stopPlaying(), goTo(place.frame))}>
       <i class="num">${i + 1}</i><span class="cut">${reasonOf(place)}</span><span class="num dim">${place.frame}</span>
-    </button>`)}
+    </button>`,
+    )}
   </div>`;
 }
 
@@ -83,7 +104,12 @@ function begun() {
   return html`${fact('Person', ui.box ? `${sizeWords(ui.box)} px` : 'no box yet', 'Width and height of the box')}
     ${small ? html`<p class="note warned">${icon('warn')}<span>${small}</span></p>` : nothing}
     ${button({
-      name: 'wand', label: labelOf('draft'), title: titleOf('draft'), key: 'Enter', kind: 'pri full',
-      off: whyNot('draft'), act: draftFromBox,
+      name: 'wand',
+      label: labelOf('draft'),
+      title: titleOf('draft'),
+      key: 'Enter',
+      kind: 'pri full',
+      off: whyNot('draft'),
+      act: draftFromBox,
     })}${time(draftCount())}`;
 }

@@ -21,9 +21,15 @@ export function method() {
   const { method: name } = server.settings;
   return section(
     'Method',
-    html`${line('Method', dropdown({
-      label: 'Method', value: name, options: METHODS, act: (id) => send({ do: 'settings', method: id }),
-    }))}
+    html`${line(
+      'Method',
+      dropdown({
+        label: 'Method',
+        value: name,
+        options: METHODS,
+        act: (id) => send({ do: 'settings', method: id }),
+      }),
+    )}
     ${qualityLine(name === 'paper' ? 'The published method has only one quality' : '')}
     ${smooth()}
     ${actionBox('live')}`,
@@ -32,7 +38,8 @@ export function method() {
 
 function smooth() {
   return checkbox({
-    label: 'Smooth in space', on: server.settings.smooth,
+    label: 'Smooth in space',
+    on: server.settings.smooth,
     title: 'Motion as smooth as bodies move, as far as the pictures allow. Keyframes are kept',
     act: (on) => send({ do: 'settings', smooth: on ? true : null }),
   });
@@ -40,8 +47,14 @@ function smooth() {
 
 /** How much work is done; off: why it cannot be chosen. */
 export function qualityLine(off = '') {
-  return line('Quality', segmented({
-    label: 'Quality', value: off ? null : server.settings.quality, options: QUALITIES, off,
-    act: (id) => send({ do: 'settings', quality: id }),
-  }));
+  return line(
+    'Quality',
+    segmented({
+      label: 'Quality',
+      value: off ? null : server.settings.quality,
+      options: QUALITIES,
+      off,
+      act: (id) => send({ do: 'settings', quality: id }),
+    }),
+  );
 }

@@ -18,9 +18,11 @@ import { size } from './size.js';
 export function limbs() {
   const key = partKeyAt();
   if (!key) return nothing;
-  const rows = key.limbs.map((limb) => html`<div class="row pinrow">
+  const rows = key.limbs.map(
+    (limb) => html`<div class="row pinrow">
     <span class="dot" style="background:var(--${limb.side})"></span><span class="cut">${limb.label}</span><span class="sp"></span>
-    ${actionIcon('unkeyLimb', { frame: key.frame, parts: limb.parts, label: limb.label })}</div>`);
+    ${actionIcon('unkeyLimb', { frame: key.frame, parts: limb.parts, label: limb.label })}</div>`,
+  );
   return section(
     `Part keyframe ${key.frame}`,
     html`${rows}<p class="note">${exact(key)} exact here. The other parts follow tracking.</p>
@@ -44,7 +46,8 @@ export function position() {
     'Position',
     html`${rows.map(coordinate)}`,
     iconButton({
-      name: 'reset', label: 'Move to the image centre',
+      name: 'reset',
+      label: 'Move to the image centre',
       act: () => send({ do: 'root', x: 0, y: 0 }),
       off: server.pose ? '' : 'No pose at this frame',
     }),
@@ -86,7 +89,9 @@ function card(pose) {
     <button type="button" class="posepick" aria-label=${`Insert ${pose.name}`} title=${off || titleOf('insertPose', pose)}
       aria-disabled=${off ? 'true' : nothing} @click=${() => perform('insertPose', pose)}>${picture(pose)}</button>
     <span class="posedo">${actionIcon('insertMirrored', pose)}${iconButton({
-      name: 'trash', label: `Delete ${pose.name}`, act: () => deletePose(pose),
+      name: 'trash',
+      label: `Delete ${pose.name}`,
+      act: () => deletePose(pose),
     })}</span>
     ${textField({ label: `Name of ${pose.name}`, value: pose.name, act: (text) => renamePose(pose, text), most: 60 })}
   </li>`;
@@ -123,7 +128,14 @@ export function partTab() {
 }
 
 const POSES = /** @type {const} */ ([
-  'fitPose', 'keyLimb', 'useTracked', 'pasteMirrored', 'swapSides', 'turnInDepth', 'copyPrevious', 'copyNext',
+  'fitPose',
+  'keyLimb',
+  'useTracked',
+  'pasteMirrored',
+  'swapSides',
+  'turnInDepth',
+  'copyPrevious',
+  'copyNext',
 ]);
 
 /** Poses taken over whole: fitted, tracked, copied from the keyframes around, mirrored, at rest. */

@@ -213,8 +213,10 @@ function faceOf(part) {
 /** The keys of a figure that was reached with Tab. */
 function walk(event) {
   const moves = {
-    ArrowUp: () => alongChain(-1), ArrowDown: () => alongChain(1),
-    ArrowLeft: otherSide, ArrowRight: otherSide,
+    ArrowUp: () => alongChain(-1),
+    ArrowDown: () => alongChain(1),
+    ArrowLeft: otherSide,
+    ArrowRight: otherSide,
     Enter: () => event.target.dispatchEvent(new MouseEvent('click')),
   };
   const move = moves[event.key === ' ' ? 'Enter' : event.key];
@@ -273,9 +275,14 @@ const steps = () => html`${actionIcon('otherSide')}${actionIcon('inward')}${acti
 
 function byName() {
   return dropdown({
-    label: 'Part', text: isPerson(server.body) ? 'By name' : 'Find', kind: 'ghost', search: true,
+    label: 'Part',
+    text: isPerson(server.body) ? 'By name' : 'Find',
+    kind: 'ghost',
+    search: true,
     title: 'Select a part by name',
-    value: server.view.selected, options: partOptions(), act: select,
+    value: server.view.selected,
+    options: partOptions(),
+    act: select,
   });
 }
 

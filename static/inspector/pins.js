@@ -4,7 +4,19 @@ import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { actionBox, actionButton, actionIcon } from '../actions/buttons.js';
 import { keyOf } from '../actions/actions.js';
 import {
-  allPins, exactWithin, framesOf, isEnd, isFoot, onFloor, pinHere, pinMeant, pinPart, pinsOf, proposedPins, showPin, wholeFoot,
+  allPins,
+  exactWithin,
+  framesOf,
+  isEnd,
+  isFoot,
+  onFloor,
+  pinHere,
+  pinMeant,
+  pinPart,
+  pinsOf,
+  proposedPins,
+  showPin,
+  wholeFoot,
 } from '../actions/pins.js';
 import { isUpKnown } from '../actions/standing.js';
 import { button, checkbox, iconButton, segmented, shortNumber } from '../controls/fields.js';
@@ -37,7 +49,10 @@ function why(part) {
 
 function pinButton(part) {
   return iconButton({
-    name: 'plus', label: 'Pin here', key: isEnd(part) ? keyOf('pin') : '', act: () => pinPart(part),
+    name: 'plus',
+    label: 'Pin here',
+    key: isEnd(part) ? keyOf('pin') : '',
+    act: () => pinPart(part),
     title: 'Pin here, as long as it stands still around this frame',
   });
 }
@@ -77,7 +92,9 @@ function details(part, index) {
   const change = (fields) => ({ do: 'change_pin', index, ...fields });
   return html`${isFoot(part) ? holds(part, pin, change) : nothing}
     ${checkbox({
-      label: 'Keep on the floor', on: pin.floor, title: `Of ${pin.label.toLowerCase()}, frames ${framesOf(pin)}`,
+      label: 'Keep on the floor',
+      on: pin.floor,
+      title: `Of ${pin.label.toLowerCase()}, frames ${framesOf(pin)}`,
       act: (on) => (on ? onFloor(change({ floor: true }), part) : send(change({ floor: false }))),
     })}
     ${pin.floor ? withoutEffect(pin) : nothing}
@@ -99,11 +116,19 @@ function holds(part, pin, change) {
   const whole = wholeFoot(part);
   const [heel, toe] = whole;
   const value = pin.landmarks.length === 1 ? pin.landmarks[0] : 'whole';
-  return line('Holds', segmented({
-    label: 'Holds', value,
-    options: [{ id: 'whole', label: 'Whole foot' }, { id: heel, label: 'Heel' }, { id: toe, label: 'Toes' }],
-    act: (id) => send(change({ landmarks: id === 'whole' ? whole : [id] })),
-  }));
+  return line(
+    'Holds',
+    segmented({
+      label: 'Holds',
+      value,
+      options: [
+        { id: 'whole', label: 'Whole foot' },
+        { id: heel, label: 'Heel' },
+        { id: toe, label: 'Toes' },
+      ],
+      act: (id) => send(change({ landmarks: id === 'whole' ? whole : [id] })),
+    }),
+  );
 }
 
 /** Where the floor is. */
@@ -112,25 +137,44 @@ export function floor(part) {
   const { height_m: height, has_feet: hasFeet } = server.floor;
   return section(
     'Floor',
-    html`${measure({
-      key: 'floor', label: 'Height', value: height, unit: 'm', decimals: 2, step: 0.01, coarse: 0.1, min: -100, max: 100,
-      title: 'Along up, from the camera', edit: (metres) => ({ do: 'floor', height_m: metres }),
-    }, height === null ? null : FLOOR_M)}
+    html`${measure(
+      {
+        key: 'floor',
+        label: 'Height',
+        value: height,
+        unit: 'm',
+        decimals: 2,
+        step: 0.01,
+        coarse: 0.1,
+        min: -100,
+        max: 100,
+        title: 'Along up, from the camera',
+        edit: (metres) => ({ do: 'floor', height_m: metres }),
+      },
+      height === null ? null : FLOOR_M,
+    )}
     ${height === null ? html`<p class="note">Not known yet.</p>` : nothing}
     ${actionBox('floor', undefined, { label: 'Show the grid' })}
     <div class="lr floorset">${button({
-      name: 'mid', label: 'Set from pinned feet', act: () => send({ do: 'floor', pinned_feet: true }),
-      title: 'At the height of the feet that are pinned', off: hasFeet ? '' : 'Pin a foot that stands on the floor first',
+      name: 'mid',
+      label: 'Set from pinned feet',
+      act: () => send({ do: 'floor', pinned_feet: true }),
+      title: 'At the height of the feet that are pinned',
+      off: hasFeet ? '' : 'Pin a foot that stands on the floor first',
     })}${height === null && isFoot(part) ? underFoot(part) : nothing}</div>`,
     iconButton({
-      name: 'reset', label: 'Forget the floor', act: () => send({ do: 'floor' }), off: height === null ? 'No floor is set' : '',
+      name: 'reset',
+      label: 'Forget the floor',
+      act: () => send({ do: 'floor' }),
+      off: height === null ? 'No floor is set' : '',
     }),
   );
 }
 
 function underFoot(part) {
   return button({
-    label: 'Use this foot’s height', title: `Where the ${part.label.toLowerCase()} stands now`,
+    label: 'Use this foot’s height',
+    title: `Where the ${part.label.toLowerCase()} stands now`,
     act: () => send({ do: 'floor', under: part.name }),
   });
 }

@@ -113,8 +113,15 @@ function progress(done, all, share) {
 
 function goals() {
   return {
-    label: 'Goal', value: String(goal()), kind: 'ghost', text: `nothing above ${goal()} px`,
-    options: (server.review?.goals ?? []).map((px) => ({ id: String(px), label: `Nothing above ${px} px`, note: tooLow(px) ? 'below what a right joint is off' : '' })),
+    label: 'Goal',
+    value: String(goal()),
+    kind: 'ghost',
+    text: `nothing above ${goal()} px`,
+    options: (server.review?.goals ?? []).map((px) => ({
+      id: String(px),
+      label: `Nothing above ${px} px`,
+      note: tooLow(px) ? 'below what a right joint is off' : '',
+    })),
     act: (id) => setGoal(Number(id)),
   };
 }
@@ -149,7 +156,9 @@ const DRAFT = 'Accept makes the draft a keyframe. Correct it on the picture firs
 /** @param {ReviewPlace} row */
 function limbWords({ part }) {
   const limb = server.body?.lanes.find(({ parts }) => part && parts.includes(part))?.label.toLowerCase();
-  return limb ? `Or drag the ring on the picture. That keys only the ${limb}.` : 'Or drag what is off. That keys only the limb you drag.';
+  return limb
+    ? `Or drag the ring on the picture. That keys only the ${limb}.`
+    : 'Or drag what is off. That keys only the limb you drag.';
 }
 
 /** @param {import('../actions/actions.js').ActionId} id */
@@ -172,14 +181,19 @@ function press(event, id) {
 function doneRow(list) {
   const gone = list.done.filter(({ id }) => !list.rows.some((row) => row.id === id));
   if (!gone.length) return nothing;
-  const listed = gone.map(({ label, frame, answer }) => html`<li>${label} <span class="num">${frame}</span> <span class="dim">${SAID[answer].toLowerCase()}</span></li>`);
+  const listed = gone.map(
+    ({ label, frame, answer }) =>
+      html`<li>${label} <span class="num">${frame}</span> <span class="dim">${SAID[answer].toLowerCase()}</span></li>`,
+  );
   return html`<p class="row past num">${icon('check')}${gone.length} done: ${gone.map(({ frame }) => frame).join(', ')}<span class="sp"></span>
       <button type="button" class="btn ghost sm" aria-expanded=${Boolean(ui.reviewDone)} @click=${() => setUi('reviewDone', !ui.reviewDone)}>${ui.reviewDone ? 'Hide' : 'Show'}</button></p>
     ${ui.reviewDone ? html`<ul class="rv-done">${listed}</ul>` : nothing}`;
 }
 
 function reviewFinishedCard(list) {
-  if (!list.done.length && !hasMotion()) return html`<div class="ended none"><p>Nothing to review. Track first.</p>${track('pri')}</div>`;
+  if (!list.done.length && !hasMotion()) {
+    return html`<div class="ended none"><p>Nothing to review. Track first.</p>${track('pri')}</div>`;
+  }
   if (!hasMotion()) {
     return html`<div class="ended" role="status">
       <p class="row b">${icon('check')}<b>${doneWords(list)}</b></p>

@@ -6,9 +6,7 @@ import { send } from '../store/link.js';
 import { keyOf } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
-import {
-  checkbox, numberField, segmented, shortNumber, slider,
-} from '../controls/fields.js';
+import { checkbox, numberField, segmented, shortNumber, slider } from '../controls/fields.js';
 import { isFree } from '../store/parts.js';
 import { section } from './section.js';
 
@@ -103,12 +101,17 @@ function frames() {
   ];
   return html`<div class="row frames">
     ${segmented({
-      label: 'Axes of the rings', value: server.view.axes, options,
+      label: 'Axes of the rings',
+      value: server.view.axes,
+      options,
       act: (frame) => send({ do: 'axes', frame }),
     })}<span class="sp"></span>
     ${checkbox({
-      label: 'Joint limits', on: server.view.limits, act: (on) => send({ do: 'limits', on }),
-      title: 'Keep every joint within its anatomical limits', key: holdKey(),
+      label: 'Joint limits',
+      on: server.view.limits,
+      act: (on) => send({ do: 'limits', on }),
+      title: 'Keep every joint within its anatomical limits',
+      key: holdKey(),
     })}
   </div>`;
 }

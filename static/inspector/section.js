@@ -22,12 +22,19 @@ export function partName(part, both = false) {
   </button>`;
 }
 
-/** A button that takes up a drawing tool, or puts it away; `busy` is its label meanwhile; off: why it cannot be used, or ''. */
+/**
+ * A button that takes up a drawing tool, or puts it away; `busy` is its label meanwhile; off: why it cannot be
+ * used, or ''.
+ */
 export function drawingButton(tool, { name, label, busy, title, off = '' }) {
   const drawing = ui.tool === tool;
   return button({
-    name, label: drawing ? busy : label, kind: drawing ? 'full on' : 'full',
-    title: drawing ? 'Stop drawing' : title, key: drawing ? 'Esc' : '', off: drawing ? '' : off,
+    name,
+    label: drawing ? busy : label,
+    kind: drawing ? 'full on' : 'full',
+    title: drawing ? 'Stop drawing' : title,
+    key: drawing ? 'Esc' : '',
+    off: drawing ? '' : off,
     act: () => (drawing ? leaveSketch() : setUi('tool', tool)),
   });
 }

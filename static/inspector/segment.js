@@ -67,9 +67,13 @@ function mostRelevant(here) {
 
 function sides(here, one) {
   return segmented({
-    label: 'Segment', value: one.first, act: (first) => setUi('segmentFirst', first),
+    label: 'Segment',
+    value: one.first,
+    act: (first) => setUi('segmentFirst', first),
     options: here.map((each, i) => ({
-      id: each.first, label: i ? 'After' : 'Before', title: nameOf(each),
+      id: each.first,
+      label: i ? 'After' : 'Before',
+      title: nameOf(each),
     })),
   });
 }

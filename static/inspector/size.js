@@ -24,16 +24,23 @@ export function size(part) {
 /** A person's parts keep their names, by which keypoints are known. */
 function name(part) {
   const rename = (text) => text && send({ do: 'rename_part', part: part.name, name: text });
-  return line('Name', textField({ label: `Name of ${part.label.toLowerCase()}`, value: part.name, act: rename, most: 60 }));
+  return line(
+    'Name',
+    textField({ label: `Name of ${part.label.toLowerCase()}`, value: part.name, act: rename, most: 60 }),
+  );
 }
 
 function shape(part) {
-  return line('Shape', dropdown({
-    label: 'Shape', value: part.shape,
-    options: server.body.shapes.map((one) => ({ id: one.kind, label: one.label })),
-    act: (kind) => send({ do: 'shape', part: part.name, kind }),
-    title: 'Another shape, about as large as this one',
-  }));
+  return line(
+    'Shape',
+    dropdown({
+      label: 'Shape',
+      value: part.shape,
+      options: server.body.shapes.map((one) => ({ id: one.kind, label: one.label })),
+      act: (kind) => send({ do: 'shape', part: part.name, kind }),
+      title: 'Another shape, about as large as this one',
+    }),
+  );
 }
 
 /** The number field of one size; the table of the Body tab has it too. */

@@ -18,11 +18,14 @@ const MOST = 3;
 const NEAR_CM = 2; // as far as soles that stand are off
 
 /** What mends a finding with one press; nothing where there is no such thing. */
-/** @type {Record<string, { label: string | ((found: SpaceFinding) => string), title?: string, act: (found: SpaceFinding) => void }>} */
+/**
+ * @type {Record<string, { label: string | ((found: SpaceFinding) => string), title?: string, act: (found: SpaceFinding) => void }>}
+ */
 const REMEDIES = {
   pin: {
     label: 'Pin it',
-    act: ({ kind, part, first, last }) => send({ do: 'set_pin', part, frame: first, first, last, floor: kind === 'off_floor' }),
+    act: ({ kind, part, first, last }) =>
+      send({ do: 'set_pin', part, frame: first, first, last, floor: kind === 'off_floor' }),
   },
   floor: {
     label: 'Set floor',
@@ -46,7 +49,11 @@ const REMEDIES = {
     },
   },
   unpin: { label: 'Unpin', act: ({ part, first, last }) => unpinOver(part, first, last) },
-  soften: { label: (found) => labelOf('softKeys', keyframesOf(found)), title: titleOf('softKeys'), act: (found) => perform('softKeys', keyframesOf(found)) },
+  soften: {
+    label: (found) => labelOf('softKeys', keyframesOf(found)),
+    title: titleOf('softKeys'),
+    act: (found) => perform('softKeys', keyframesOf(found)),
+  },
   level: { label: 'Level the feet', act: () => send({ do: 'up_from_feet' }) },
   lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
@@ -59,7 +66,10 @@ export function space() {
   const found = server.space ?? [];
   if (found.length === 0 && whyNot('stand')) return nothing;
   const shown = ui.allInSpace ? found : found.slice(0, MOST);
-  return section('In space', html`${soles()}${shown.map(card)}${found.length > MOST ? more(found.length - MOST) : nothing}`);
+  return section(
+    'In space',
+    html`${soles()}${shown.map(card)}${found.length > MOST ? more(found.length - MOST) : nothing}`,
+  );
 }
 
 /** How the feet stand, and the press that makes them. */

@@ -28,12 +28,17 @@ const BINDINGS = [
 ];
 
 const UNITS = [
-  ['m', 'Metres'], ['dm', 'Decimetres'], ['cm', 'Centimetres'], ['mm', 'Millimetres'],
-  ['in', 'Inches'], ['ft', 'Feet'],
+  ['m', 'Metres'],
+  ['dm', 'Decimetres'],
+  ['cm', 'Centimetres'],
+  ['mm', 'Millimetres'],
+  ['in', 'Inches'],
+  ['ft', 'Feet'],
 ].map(([id, label]) => ({ id, label }));
 
 const AXES = ['+y', '+z', '+x', '-y', '-z', '-x'].map((id) => ({
-  id, label: id.replace('-', '−').toUpperCase(),
+  id,
+  label: id.replace('-', '−').toUpperCase(),
 }));
 
 const observe = (change) => send({ do: 'observe', ...change });
@@ -46,16 +51,34 @@ function fitting() {
   const { weights, distance, binding } = server.surface;
   return section(
     'Fit',
-    html`${line('Weights', dropdown({
-      label: 'Weights', value: weights, options: WEIGHTS, act: (id) => observe({ weights: id }),
-      title: 'Where the surface counts less: near other parts, or where cameras disagree',
-    }))}
-    ${line('Distance', segmented({
-      label: 'Distance', value: distance, options: DISTANCES, act: (id) => observe({ distance: id }),
-    }))}
-    ${line('Binding', segmented({
-      label: 'Binding', value: binding, options: BINDINGS, act: (id) => observe({ binding: id }),
-    }))}
+    html`${line(
+      'Weights',
+      dropdown({
+        label: 'Weights',
+        value: weights,
+        options: WEIGHTS,
+        act: (id) => observe({ weights: id }),
+        title: 'Where the surface counts less: near other parts, or where cameras disagree',
+      }),
+    )}
+    ${line(
+      'Distance',
+      segmented({
+        label: 'Distance',
+        value: distance,
+        options: DISTANCES,
+        act: (id) => observe({ distance: id }),
+      }),
+    )}
+    ${line(
+      'Binding',
+      segmented({
+        label: 'Binding',
+        value: binding,
+        options: BINDINGS,
+        act: (id) => observe({ binding: id }),
+      }),
+    )}
     ${qualityLine()}
     ${actionBox('live')}`,
   );
@@ -68,18 +91,27 @@ function moving() {
   const isKey = server.keys?.frames.includes(frame);
   const off = frame === model ? 'This frame’s surface is used already' : isKey ? '' : 'Add a keyframe here first (K)';
   if (model === null) {
-    return section('Moving surface', html`<p class="note">
+    return section(
+      'Moving surface',
+      html`<p class="note">
       Pose the body in a complete surface and press K. That surface then moves with the body.
-    </p>`);
+    </p>`,
+    );
   }
-  return section('Moving surface', html`
+  return section(
+    'Moving surface',
+    html`
     ${fact('Surface of', `frame ${model}`, 'Moves with the body from its pose there')}
     ${rims ? holes(model, rims) : nothing}
     ${button({
-      name: 'flag', label: frame === model ? 'Use another frame' : `Use frame ${frame}`, kind: 'full', off,
+      name: 'flag',
+      label: frame === model ? 'Use another frame' : `Use frame ${frame}`,
+      kind: 'full',
+      off,
       title: 'Use the surface of this keyframe as the one that moves',
       act: () => observe({ model_frame: frame }),
-    })}`);
+    })}`,
+  );
 }
 
 function holes(model, rims) {
@@ -92,20 +124,40 @@ const warning = (words) => html`<p class="note warned" role="status">${icon('war
 function files() {
   const { units, up, fps, middle, cameras, faces, unusable } = server.surface;
   const rate = {
-    key: 'surface.fps', label: 'Rate', value: fps, unit: '/s', step: 1, coarse: 5, min: 0.01, max: 10000,
-    title: 'Surfaces per second', edit: (value) => ({ do: 'observe', fps: value }),
+    key: 'surface.fps',
+    label: 'Rate',
+    value: fps,
+    unit: '/s',
+    step: 1,
+    coarse: 5,
+    min: 0.01,
+    max: 10000,
+    title: 'Surfaces per second',
+    edit: (value) => ({ do: 'observe', fps: value }),
   };
   return section(
     'Files',
     html`${unusable ? warning(unusable) : nothing}
-    ${line('Units', dropdown({
-      label: 'Units', value: units, options: UNITS, act: (id) => observe({ units: id }),
-      title: 'The unit of the files. Poses are scaled too',
-    }))}
-    ${line('Up axis', dropdown({
-      label: 'Up axis', value: up, options: AXES, title: 'The axis that points up in the files',
-      act: (id) => observe({ up: id, ...(middle ? { about: middle } : {}) }),
-    }))}
+    ${line(
+      'Units',
+      dropdown({
+        label: 'Units',
+        value: units,
+        options: UNITS,
+        act: (id) => observe({ units: id }),
+        title: 'The unit of the files. Poses are scaled too',
+      }),
+    )}
+    ${line(
+      'Up axis',
+      dropdown({
+        label: 'Up axis',
+        value: up,
+        options: AXES,
+        title: 'The axis that points up in the files',
+        act: (id) => observe({ up: id, ...(middle ? { about: middle } : {}) }),
+      }),
+    )}
     ${measure(rate)}
     ${cameras ? fact('Cameras', cameras, 'Their images show which parts of the surface can be trusted') : nothing}
     ${faces ? fact('Here', `${shortNumber(faces, 0)} faces`, 'Of the surface at this frame') : nothing}`,

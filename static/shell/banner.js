@@ -44,7 +44,16 @@ export function mountBanner() {
   const place = addOnTop('banner', 'div');
   const draw = steadily(() => render(banner(), place));
   /** @type {import('../store/shapes.js').Watched[]} */
-  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:unsent', 'u:returning'];
+  const news = [
+    'u:line',
+    'u:connected',
+    'u:dragging',
+    'u:readOnlyRead',
+    'u:flat',
+    'u:flatRead',
+    'u:unsent',
+    'u:returning',
+  ];
   watch(['file', 'saved', ...news], draw);
   onWidth(draw);
   // How many edits wait is known to the link alone.
@@ -71,7 +80,9 @@ function noLine() {
 /** A Keypose that was started with another workspace looks just like cookies that were deleted. */
 function isTurnedAway() {
   const waiting = backlog();
-  const why = hasKey() ? 'Keypose does not know this browser any more.' : 'This browser’s data for Keypose was cleared.';
+  const why = hasKey()
+    ? 'Keypose does not know this browser any more.'
+    : 'This browser’s data for Keypose was cleared.';
   const edits = waiting ? ` ${count(waiting, 'edit')} will then be sent from this tab.` : '';
   return html`<b>${why}</b> Open the newest link in the terminal.${edits}`;
 }

@@ -16,8 +16,11 @@ import { EXPORTS, FORMATS } from '../store/orders.js';
 const KINDS = { film: 'Film', pictures: 'Images', sheet: 'Keyframe sheet', matte: 'Matte', motion: 'Motion' };
 export function mountExportDialog() {
   mountDialog({
-    id: 'exporting', label: 'Export', name: 'exporting',
-    names: ['u:exportJob', 'u:exportMissing', 'file', 'keys', 'segments'], draw: () => (server.file ? dialog() : nothing),
+    id: 'exporting',
+    label: 'Export',
+    name: 'exporting',
+    names: ['u:exportJob', 'u:exportMissing', 'file', 'keys', 'segments'],
+    draw: () => (server.file ? dialog() : nothing),
   });
   watch(['file'], () => server.file || setUi('exporting', null)); // what was to be exported is closed
 }
@@ -41,7 +44,9 @@ const change = (changed) => setUi('exporting', { ...ui.exporting, ...changed });
 function kinds() {
   const missing = ui.exportMissing?.film;
   return Object.entries(KINDS).map(([id, label]) => ({
-    id, label, off: id === 'film' && missing ? `This needs an H.264 encoder: ${missing}` : '',
+    id,
+    label,
+    off: id === 'film' && missing ? `This needs an H.264 encoder: ${missing}` : '',
   }));
 }
 
@@ -86,11 +91,24 @@ function fields(exporting) {
 
 function formats(format) {
   const off = Object.keys(FORMATS).map(notInstalled).filter(Boolean);
-  const left = format === 'all' && off.length ? `Left out: ${off.join('; ')}` : (FORMATS[format]?.remark || FORMATS[format]?.then || '');
-  const options = [{ id: 'all', label: 'All, ZIP' }, ...Object.entries(FORMATS).map(([id, { label, reader }]) => ({
-    id, label, note: reader, off: notInstalled(id),
-  }))];
-  return field('Format', dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) }), left);
+  const left =
+    format === 'all' && off.length
+      ? `Left out: ${off.join('; ')}`
+      : FORMATS[format]?.remark || FORMATS[format]?.then || '';
+  const options = [
+    { id: 'all', label: 'All, ZIP' },
+    ...Object.entries(FORMATS).map(([id, { label, reader }]) => ({
+      id,
+      label,
+      note: reader,
+      off: notInstalled(id),
+    })),
+  ];
+  return field(
+    'Format',
+    dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) }),
+    left,
+  );
 }
 
 // --- below the fields

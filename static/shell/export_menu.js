@@ -16,10 +16,18 @@ import { count, joined, range } from '../controls/words.js';
 import { content, heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
 
 /** What a form asks for besides the format: the first of its options, "rig, unit, markers, origin". */
-const OPTIONS = EXPORTS.motion.slice(0, 4).map(({ label }) => label.toLowerCase()).join(', ');
+const OPTIONS = EXPORTS.motion
+  .slice(0, 4)
+  .map(({ label }) => label.toLowerCase())
+  .join(', ');
 
 /** The labels of the formats of which this holds. */
-const labels = (holds) => joined(Object.values(FORMATS).filter(holds).map(({ label }) => label));
+const labels = (holds) =>
+  joined(
+    Object.values(FORMATS)
+      .filter(holds)
+      .map(({ label }) => label),
+  );
 const GAPLESS = labels(({ gaps }) => !gaps);
 const OWN_TIMES = labels(({ ownTimes }) => ownTimes);
 
@@ -27,10 +35,18 @@ export function exportButton() {
   const face = html`${icon('exp')}<span class="word">Export</span>${far()}${icon('chev')}`;
   const act = () => {
     askWhatIsMissing();
-    if (ui.exportJob) perform(/** @type {const} */ ('exportFilm')); // which shows how far it is
+    if (ui.exportJob) {
+      perform(/** @type {const} */ ('exportFilm'));
+    } // which shows how far it is
     else toggleMenu('export');
   };
-  const button = menuButton('export', { kind: 'btn ghost', title: 'Export films, images and motion', label: 'Export', face, act });
+  const button = menuButton('export', {
+    kind: 'btn ghost',
+    title: 'Export films, images and motion',
+    label: 'Export',
+    face,
+    act,
+  });
   return menuHolder('export', () => button, items, 'right export');
 }
 
@@ -56,12 +72,16 @@ function items() {
     line,
     heading(`Motion${frames}`),
     menuItem('exportMotion', undefined, { right: OPTIONS }),
-    ...Object.entries(FORMATS).map(([format, { reader }]) => menuItem(motionAction(format), undefined, { right: reader, ...lacking(format) })),
+    ...Object.entries(FORMATS).map(([format, { reader }]) =>
+      menuItem(motionAction(format), undefined, { right: reader, ...lacking(format) }),
+    ),
     menuItem('saveAllMotion'),
     content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
     variableRateNote(),
     warning(),
-    ...(places().length ? [menuItem('review', undefined, { label: `Review ${count(places().length, 'place')} above ${goal()} px first` })] : []),
+    ...(places().length
+      ? [menuItem('review', undefined, { label: `Review ${count(places().length, 'place')} above ${goal()} px first` })]
+      : []),
     line,
     menuItem('saveReport', undefined, { right: 'verdicts, charts, images' }),
   ];

@@ -14,7 +14,13 @@ import { workUnderWay } from './job.js';
 const KINDS = { motion: 'Recorded motion', keypoints: '2D keypoints', camera: 'Camera' };
 const SIGNS = { motion: 'track', keypoints: 'ghost', camera: 'camcorder' };
 export function mountImportDialog() {
-  mountDialog({ id: 'importing', label: 'Import', name: 'importing', names: ['file'], draw: () => (server.file ? dialog(ui.importing) : nothing) });
+  mountDialog({
+    id: 'importing',
+    label: 'Import',
+    name: 'importing',
+    names: ['file'],
+    draw: () => (server.file ? dialog(ui.importing) : nothing),
+  });
   watch(['file'], () => server.file || setUi('importing', null)); // what it was for is closed
 }
 
@@ -31,7 +37,8 @@ function dialog(importing) {
 }
 
 /** @param {import('../controls/order_form.js').Values} changed */
-const change = (changed) => setUi('importing', { ...ui.importing, words: '', choices: { ...ui.importing.choices, ...changed } });
+const change = (changed) =>
+  setUi('importing', { ...ui.importing, words: '', choices: { ...ui.importing.choices, ...changed } });
 
 function submit(event) {
   event.preventDefault();
@@ -66,16 +73,19 @@ const rateOf = (fps) => (fps ? ` at ${Number(fps.toFixed(2))} frames/s` : '');
 
 const SAID = {
   motion: ({ frames, seconds, fps }) =>
-    seconds === null ? `${count(frames, 'pose')}, one for each frame of the video` : `${count(frames, 'frame')}, ${seconds.toFixed(2)} s${rateOf(fps)}`,
+    seconds === null
+      ? `${count(frames, 'pose')}, one for each frame of the video`
+      : `${count(frames, 'frame')}, ${seconds.toFixed(2)} s${rateOf(fps)}`,
   keypoints: ({ frames, first, last, fps, people }) => {
     const several = people > 1 ? `, up to ${people} people: the surest in each frame counts` : '';
     return `${count(frames, 'frame')} with keypoints, ${first === last ? first : range(first, last)}${rateOf(fps)}${several}`;
   },
-  camera: ({ focal_mm: focal, across_deg: across, turned_deg: turned, floor_m: floor }) => [
-    `${focal.toFixed(1)} mm on 35 mm film, ${across.toFixed(1)}° across`,
-    turned > 0.001 ? `up turned by ${turned.toFixed(1)}°` : 'up as it is',
-    ...(floor === null ? [] : [`floor ${floor.toFixed(2)} m below the camera`]),
-  ].join(' · '),
+  camera: ({ focal_mm: focal, across_deg: across, turned_deg: turned, floor_m: floor }) =>
+    [
+      `${focal.toFixed(1)} mm on 35 mm film, ${across.toFixed(1)}° across`,
+      turned > 0.001 ? `up turned by ${turned.toFixed(1)}°` : 'up as it is',
+      ...(floor === null ? [] : [`floor ${floor.toFixed(2)} m below the camera`]),
+    ].join(' · '),
 };
 
 function names({ matched, left_out: left, convention }) {
@@ -101,8 +111,10 @@ function unknownNames(left, places) {
     const others = Object.entries(places).filter(([one]) => one !== name);
     change({ places: Object.fromEntries(id ? [...others, [name, id]] : others) });
   };
-  const rows = left.map((name) => html`<span class="cut" title=${name}>${name}</span>
-    ${dropdown({ label: `What ${name} is`, kind: 'field', search: true, value: places[name] ?? '', options, act: act(name) })}`);
+  const rows = left.map(
+    (name) => html`<span class="cut" title=${name}>${name}</span>
+    ${dropdown({ label: `What ${name} is`, kind: 'field', search: true, value: places[name] ?? '', options, act: act(name) })}`,
+  );
   return html`<div class="imnames" tabindex="-1">${rows}</div>`;
 }
 
@@ -133,5 +145,12 @@ function again() {
 
 function progress({ stage, done, of }) {
   const title = stage === 'reading' ? 'Reading' : 'Importing';
-  return workUnderWay({ label: title, title, words: of ? `Frame ${done} of ${of}` : 'Preparing…', done, of, cancel: leaveImport });
+  return workUnderWay({
+    label: title,
+    title,
+    words: of ? `Frame ${done} of ${of}` : 'Preparing…',
+    done,
+    of,
+    cancel: leaveImport,
+  });
 }

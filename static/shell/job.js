@@ -51,7 +51,7 @@ export function noticeJob() {
 
 /** A finished job has the colour of its worst segment. */
 function announce(job) {
-  const kind = job.state === 'done' ? job.worst ?? ENDED.done : ENDED[job.state];
+  const kind = job.state === 'done' ? (job.worst ?? ENDED.done) : ENDED[job.state];
   setUi('ended', { ...job, kind });
   clearTimeout(timer);
   timer = setTimeout(() => setUi('ended', null), STAYS_MS);
@@ -73,9 +73,7 @@ function runningJob(job) {
   return html`<div class="job">
     <span class="spin">${icon('run')}</span><b class="num cut">${job.title}</b>
     <span class="mut num cut"
-      >${now}${left
-        ? `${now ? ' · ' : ''}${left}`
-        : nothing}</span
+      >${now}${left ? `${now ? ' · ' : ''}${left}` : nothing}</span
     >
     <button class="btn ghost sm" title="Cancel" data-key=${keyOf('cancel')} @click=${cancelJob}>Cancel</button>
     ${progressBar(job.title, isFit ? null : percent, `${now} ${left}`)}

@@ -3,9 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { BY_CHORD, keySheet, perform, spell, WHILE_PLAYING } from '../actions/actions.js';
 import { awaitPaste, mountPaste } from '../actions/copying.js';
-import {
-  discardReduction, discardSizes, lookBack, onPreviewKey, onReductionKey,
-} from '../actions/proposals.js';
+import { discardReduction, discardSizes, lookBack, onPreviewKey, onReductionKey } from '../actions/proposals.js';
 import { closeReview, onReviewKey } from '../actions/review.js';
 import { clearSelection } from '../actions/selection.js';
 import { closeSheets, mountDialog, toggleSheet } from '../controls/dialogs.js';
@@ -86,7 +84,20 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || cancelDraft() || discardSizes() || discardReduction() || clearSelection() || closeFit() || closeUp() || closeGuide() || closeReview() || cancelJob();
+  return (
+    closeSheets() ||
+    closeMenu() ||
+    leaveControl() ||
+    cancelDraft() ||
+    discardSizes() ||
+    discardReduction() ||
+    clearSelection() ||
+    closeFit() ||
+    closeUp() ||
+    closeGuide() ||
+    closeReview() ||
+    cancelJob()
+  );
 }
 
 /** The guide stays open while it waits for a draft. */
@@ -96,7 +107,8 @@ const cancelDraft = () => server.job?.kind === 'draft' && cancelJob();
 const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;
 
 /** Under an open sheet the page does not change; the key that opened it closes it. */
-const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser || ui.search || ui.exporting || ui.importing);
+const isModal = (chord) =>
+  chord !== '?' && Boolean(ui.sheet || ui.chooser || ui.search || ui.exporting || ui.importing);
 
 // Space plays when it is released, unless a drag has used it to move the picture.
 const space = { isUsed: false };
@@ -124,9 +136,11 @@ function dialog() {
   return html`<div class="in">
     <div class="row sheethead">
       <span class="title">Keys</span><span class="sp"></span>
-      ${server.file
-        ? html`<button class="btn sm ghost" @click=${showGuide}>Show the first-pose guide</button>`
-        : nothing}
+      ${
+        server.file
+          ? html`<button class="btn sm ghost" @click=${showGuide}>Show the first-pose guide</button>`
+          : nothing
+      }
       <button class="ib" title="Close" data-key="Esc" aria-label="Close" autofocus @click=${toggleSheet}>
         ${icon('x')}
       </button>

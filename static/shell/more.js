@@ -43,8 +43,12 @@ function ofTheSession() {
     menuItem('live', undefined, { label: `Live: ${words().verb.toLowerCase()} while posing`, right: keyOf('live') }),
     line,
     heading('Views'),
-    menuItem('mainView'), menuItem('topView'), menuItem('sideView'), menuItem('frontView'),
-    menuItem('allViews'), menuItem('freeView'),
+    menuItem('mainView'),
+    menuItem('topView'),
+    menuItem('sideView'),
+    menuItem('frontView'),
+    menuItem('allViews'),
+    menuItem('freeView'),
     line,
   ];
 }

@@ -14,7 +14,13 @@ let query = '';
 let at = 0;
 
 export function mountSearch() {
-  mountDialog({ id: 'search', label: 'Search commands', name: 'search', names: ['file', 'body', 'view', 'keys', 'segments', 'undo', 'u:library'], draw: dialog });
+  mountDialog({
+    id: 'search',
+    label: 'Search commands',
+    name: 'search',
+    names: ['file', 'body', 'view', 'keys', 'segments', 'undo', 'u:library'],
+    draw: dialog,
+  });
   watch(['u:search'], follow);
   watch(['u:seek', 'u:tab', 'view'], seek);
   // Before the browser, whose own search it would open, and before a field that keeps its keys.
@@ -22,7 +28,8 @@ export function mountSearch() {
 }
 
 function openWithKey(event) {
-  const isOurs = (event.ctrlKey || event.metaKey) && !event.shiftKey && !event.altKey && event.key.toLowerCase() === 'k';
+  const isOurs =
+    (event.ctrlKey || event.metaKey) && !event.shiftKey && !event.altKey && event.key.toLowerCase() === 'k';
   if (!isOurs || event.isComposing) return;
   event.preventDefault();
   event.stopPropagation();
@@ -35,7 +42,10 @@ function openWithKey(event) {
 function follow() {
   if (ui.search) {
     query = '';
-    at = Math.max(0, found('', ui.search).findIndex(({ off }) => !off));
+    at = Math.max(
+      0,
+      found('', ui.search).findIndex(({ off }) => !off),
+    );
     const input = document.querySelector('#search input');
     if (input instanceof HTMLInputElement) input.value = '';
   }
@@ -52,8 +62,14 @@ function dialog() {
         placeholder=${isAll ? 'Search commands, parts, settings, notes, or type a frame' : `Search ${ui.search.toLowerCase()}s`} autocomplete="off" spellcheck="false" maxlength="80" autofocus
         @input=${(event) => look(event.target.value)} /><kbd>Esc</kbd></div>
     <div class="found" id="search-list" role="listbox" aria-label="Commands">
-      ${entries.map((entry, i) => html`${grouped && entry.group !== entries[i - 1]?.group
-        ? html`<div class="mh" role="presentation">${entry.group}</div>` : nothing}${row(entry, i)}`)}
+      ${entries.map(
+        (entry, i) =>
+          html`${
+            grouped && entry.group !== entries[i - 1]?.group
+              ? html`<div class="mh" role="presentation">${entry.group}</div>`
+              : nothing
+          }${row(entry, i)}`,
+      )}
       ${entries.length ? nothing : html`<p class="dim nothing">Nothing is called “${query.trim()}”.</p>`}
     </div>
     <span class="unseen" role="status">${query.trim() ? `${entries.length} found` : ''}</span>
@@ -91,8 +107,10 @@ function onKey(event) {
   const entries = found(query, ui.search);
   const last = Math.max(0, entries.length - 1);
   const to = {
-    ArrowDown: at === last ? 0 : at + 1, ArrowUp: at === 0 ? last : at - 1,
-    PageDown: Math.min(last, at + PAGE), PageUp: Math.max(0, at - PAGE),
+    ArrowDown: at === last ? 0 : at + 1,
+    ArrowUp: at === 0 ? last : at - 1,
+    PageDown: Math.min(last, at + PAGE),
+    PageUp: Math.max(0, at - PAGE),
   }[event.key];
   if (to !== undefined) {
     event.preventDefault();
@@ -123,12 +141,16 @@ function seek() {
   const wanted = ui.seek;
   if (!wanted || !server.file) return;
   setUi('seek', null);
-  requestAnimationFrame(() => requestAnimationFrame(() => {
-    const section = document.querySelector(`#insp-body section[aria-label="${wanted}"]`);
-    section?.scrollIntoView({ block: 'nearest' });
-    if (!matchMedia('(prefers-reduced-motion: reduce)').matches) section?.animate?.([{ background: 'var(--acc-soft)' }, { background: 'transparent' }], { duration: 900 });
-    const isClosed = !document.querySelector('#insp')?.classList.contains('open');
-    const tag = document.querySelector('.insp-tag button');
-    if (isClosed && tag instanceof HTMLElement && tag.offsetParent !== null) tag.click();
-  }));
+  requestAnimationFrame(() =>
+    requestAnimationFrame(() => {
+      const section = document.querySelector(`#insp-body section[aria-label="${wanted}"]`);
+      section?.scrollIntoView({ block: 'nearest' });
+      if (!matchMedia('(prefers-reduced-motion: reduce)').matches) {
+        section?.animate?.([{ background: 'var(--acc-soft)' }, { background: 'transparent' }], { duration: 900 });
+      }
+      const isClosed = !document.querySelector('#insp')?.classList.contains('open');
+      const tag = document.querySelector('.insp-tag button');
+      if (isClosed && tag instanceof HTMLElement && tag.offsetParent !== null) tag.click();
+    }),
+  );
 }

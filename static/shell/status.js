@@ -58,7 +58,28 @@ function isReadOnly({ words }) {
 export function mountStatus() {
   const element = document.getElementById('status');
   const draw = () => render(bar(), element);
-  watch(['file', 'tabs', 'view', 'body', 'u:timeHover', 'u:timeGrabbed', 'u:timeKeys', 'keys', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line', 'u:guideStep', 'u:guidePath', 'u:box', 'u:review'], draw);
+  watch(
+    [
+      'file',
+      'tabs',
+      'view',
+      'body',
+      'u:timeHover',
+      'u:timeGrabbed',
+      'u:timeKeys',
+      'keys',
+      'u:tool',
+      'u:layout',
+      'u:dragging',
+      'u:connected',
+      'u:line',
+      'u:guideStep',
+      'u:guidePath',
+      'u:box',
+      'u:review',
+    ],
+    draw,
+  );
   // How many edits wait is known to the link alone.
   setInterval(() => ui.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
@@ -76,7 +97,7 @@ function bar() {
 
 function hintsNow() {
   if (!server.file) return [['?', 'keys and help']];
-  const guided = ui.dragging ? null : guideHints() ?? reviewHints();
+  const guided = ui.dragging ? null : (guideHints() ?? reviewHints());
   const inHand = guided ?? pinHints() ?? (ui.dragging ? null : rangeHints());
   if (inHand) return inHand;
   const hints = tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];

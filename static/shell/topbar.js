@@ -93,7 +93,19 @@ const step = ({ label, time, done, state }) =>
 /** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['file', 'saved', 'undo', 'history', 'job', 'view', 'keys', 'segments'];
 /** @type {import('../store/shapes.js').Watched[]} */
-const OWN = ['u:menu', 'u:span', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet', 'u:filterMotion', 'u:renaming', 'u:exportJob', 'u:exportMissing'];
+const OWN = [
+  'u:menu',
+  'u:span',
+  'u:ended',
+  'u:library',
+  'u:connected',
+  'u:layout',
+  'u:sheet',
+  'u:filterMotion',
+  'u:renaming',
+  'u:exportJob',
+  'u:exportMissing',
+];
 
 export function mountTopbar() {
   const element = document.getElementById('top');

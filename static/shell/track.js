@@ -62,7 +62,8 @@ function label(verb) {
   const chosen = chosenFrames();
   if (chosen) return html`${verb} <span class="num">${range(...chosen)}</span>`;
   const now = whatIsLeft();
-  const one = (text, when) => html`<span class=${now === when ? 'shown' : ''} aria-hidden=${now !== when}>${text}</span>`;
+  const one = (text, when) =>
+    html`<span class=${now === when ? 'shown' : ''} aria-hidden=${now !== when}>${text}</span>`;
   return html`<span class="either">${one(verb, 'all')}${one(`${verb} changed`, 'changed')}${one(`All ${words().done}`, 'none')}</span>`;
 }
 

@@ -22,7 +22,13 @@ const NEWEST = 30;
 const MOST = 300; // rows; more are found by name
 
 export function mountChooser() {
-  mountDialog({ id: 'chooser', label: 'Choose a file', name: 'chooser', names: ['u:library', 'u:fileFind', 'u:place', 'u:fileSort'], draw: dialog });
+  mountDialog({
+    id: 'chooser',
+    label: 'Choose a file',
+    name: 'chooser',
+    names: ['u:library', 'u:fileFind', 'u:place', 'u:fileSort'],
+    draw: dialog,
+  });
   let wasOpen = false;
   watch(['u:chooser'], () => {
     if (ui.chooser && !wasOpen) enterLastFolder();
@@ -33,9 +39,11 @@ export function mountChooser() {
 function dialog() {
   const { kind, lost } = ui.chooser;
   const isSearch = Boolean(wanted());
-  const folders = isSearch ? [] : ui.place?.folders ?? [];
+  const folders = isSearch ? [] : (ui.place?.folders ?? []);
   const isTop = !isSearch && ui.place?.way.length === 0;
-  const files = isTop ? newest(kind) : sorted(isSearch ? found(kind) : ofKind(ui.place?.files ?? [], kind), ui.fileSort);
+  const files = isTop
+    ? newest(kind)
+    : sorted(isSearch ? found(kind) : ofKind(ui.place?.files ?? [], kind), ui.fileSort);
   return html`<div class="in stack" @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title">${lost ? `Find ${lost.video}` : TITLES[kind]}</span><span class="sp"></span>
@@ -69,7 +77,9 @@ const wanted = () => (ui.fileFind ?? '').trim().toLowerCase();
 const ofKind = (files, kind) => files.filter((file) => KINDS[kind]?.includes(file.kind) ?? true);
 
 const found = (kind) =>
-  ofKind(ui.library?.files ?? [], kind).filter((file) => `${file.folder}/${file.name}`.toLowerCase().includes(wanted()));
+  ofKind(ui.library?.files ?? [], kind).filter((file) =>
+    `${file.folder}/${file.name}`.toLowerCase().includes(wanted()),
+  );
 
 /** What was made last, in all folders: what is looked for is mostly among it. */
 const newest = (kind) => sorted(ofKind(ui.library?.files ?? [], kind), { by: 'date', down: true }).slice(0, NEWEST);
@@ -82,8 +92,13 @@ function way() {
   return html`<nav class="way row" aria-label="Folder">
     <button class="ib s" title="Up" data-key="Backspace" aria-label="Up" ?disabled=${!places.length} @click=${up}><span class="turned">${icon('chev')}</span></button>
     <button class="crumb" ?disabled=${!places.length} @click=${() => enterFolder('')}>Folders</button>
-    ${places.map(({ id, name }, i) => html`${icon('chr')}<button class="crumb cut" aria-current=${i === places.length - 1 ? 'page' : nothing}
-      @click=${() => enterFolder(id)}>${name}</button>`)}
+    ${places.map(
+      (
+        { id, name },
+        i,
+      ) => html`${icon('chr')}<button class="crumb cut" aria-current=${i === places.length - 1 ? 'page' : nothing}
+      @click=${() => enterFolder(id)}>${name}</button>`,
+    )}
   </nav>`;
 }
 
@@ -96,7 +111,10 @@ function up() {
 
 function columns() {
   const { by, down } = ui.fileSort ?? { by: 'name', down: false };
-  const column = ([id, label]) => html`<button class="row fcol ${id}" aria-pressed=${by === id} title="Sort by ${label.toLowerCase()}"
+  const column = ([
+    id,
+    label,
+  ]) => html`<button class="row fcol ${id}" aria-pressed=${by === id} title="Sort by ${label.toLowerCase()}"
     @click=${() => setUi('fileSort', { by: id, down: by === id ? !down : id !== 'name' })}>
     ${label}${by === id ? html`<span class="dir ${down ? '' : 'turned'}">${icon('chev')}</span>` : nothing}
   </button>`;
@@ -114,7 +132,9 @@ function folderRow({ id, name }) {
 }
 
 function fileRow(file, hasFolder) {
-  const size = file.count ? count(file.count, file.kind === 'images' ? 'image' : 'mesh').replace('meshs', 'meshes') : bytes(file.bytes);
+  const size = file.count
+    ? count(file.count, file.kind === 'images' ? 'image' : 'mesh').replace('meshs', 'meshes')
+    : bytes(file.bytes);
   const address = file.kind === 'meshes' ? '' : `/file.jpg?${new URLSearchParams({ at: file.id })}`;
   return html`<button class="filerow ${file.kind}" title=${`${file.folder}/${file.name}`} @click=${() => choose(file)}>
     ${smallPicture({ address, own: true, sign: SIGNS[file.kind] })}
@@ -147,7 +167,7 @@ function footnote(many, isSearch) {
 function nowhere() {
   const { kind, lost } = ui.chooser;
   const roots = ui.library?.folders ?? [];
-  const what = lost ? lost.video : { session: 'a session', meshes: 'surfaces' }[kind] ?? 'a video';
+  const what = lost ? lost.video : ({ session: 'a session', meshes: 'surfaces' }[kind] ?? 'a video');
   // A copy of a video that was moved would not be the session's own.
   const drop = lost || kind === 'session' || kind === 'meshes' ? '' : ', or drop the video here';
   const listing = roots.length ? `Showing ${joined(roots)}` : 'No folder to show';
@@ -176,13 +196,18 @@ function onKey(event) {
   const at = rows.indexOf(document.activeElement);
   const isText = event.target.type === 'search';
   const to = {
-    ArrowDown: at + 1, ArrowUp: at - 1, ...(isText ? {} : { Home: 0, End: rows.length - 1 }),
+    ArrowDown: at + 1,
+    ArrowUp: at - 1,
+    ...(isText ? {} : { Home: 0, End: rows.length - 1 }),
   }[event.key];
   if (to !== undefined && rows.length && !event.altKey) {
     event.preventDefault();
     rows[clamp(to, 0, rows.length - 1)].focus();
   } else if (event.key === 'Enter' && isText) rows[0]?.click();
-  else if ((event.key === 'Backspace' && !(isText && event.target.value)) || (event.key === 'ArrowUp' && event.altKey)) {
+  else if (
+    (event.key === 'Backspace' && !(isText && event.target.value)) ||
+    (event.key === 'ArrowUp' && event.altKey)
+  ) {
     event.preventDefault();
     up();
   }

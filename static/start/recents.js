@@ -101,7 +101,10 @@ export function recentSessions() {
       ${found.filter(({ missing }) => !missing).map(row)}
       ${found.length ? nothing : html`<p class="dim nothing">No session is named “${ui.find}”.</p>`}
     </div>
-    ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(movedCard)}`;
+    ${found
+      .filter(({ missing }) => missing)
+      .slice(0, MOST_MOVED)
+      .map(movedCard)}`;
 }
 
 function onKey(event, found) {

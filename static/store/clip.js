@@ -17,7 +17,9 @@ export const fewestKeys = () => (isSurface() ? 1 : 2);
 
 /** Why nothing can be tracked or fitted yet. */
 export const tooFewWords = () =>
-  isSurface() ? 'Add a keyframe first' : `Add ${server.keys?.frames.length ? 'a second keyframe' : 'two keyframes'} first`;
+  isSurface()
+    ? 'Add a keyframe first'
+    : `Add ${server.keys?.frames.length ? 'a second keyframe' : 'two keyframes'} first`;
 
 export function frameCount() {
   return server.file?.frames ?? 0;
@@ -27,7 +29,10 @@ export function lastFrame() {
   return Math.max(0, frameCount() - 1);
 }
 
-/** First and last frame between the in and the out point, where one of them is set; else null. @returns {[number, number] | null} */
+/**
+ * First and last frame between the in and the out point, where one of them is set; else null.
+ * @returns {[number, number] | null}
+ */
 export function chosenFrames() {
   const { first, last } = ui.span;
   return first === null && last === null ? null : [first ?? 0, last ?? lastFrame()];

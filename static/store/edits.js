@@ -18,7 +18,27 @@ const ENDS = new Set(['end_stroke', 'cancel_stroke']);
 const NO_EDITS = new Set([
   ...Object.keys(LOOKS),
   ...ENDS,
-  ...['select', 'display', 'joint_angle', 'live', 'begin_guide', 'dismiss_pins', 'copy_pose', 'keep_pose', 'rename_pose', 'delete_pose', 'restore_pose', 'find_people', 'look_before', 'close_fit', 'close_up', 'preview_poses', 'discard_sizes', 'reduce', 'discard_reduction'],
+  ...[
+    'select',
+    'display',
+    'joint_angle',
+    'live',
+    'begin_guide',
+    'dismiss_pins',
+    'copy_pose',
+    'keep_pose',
+    'rename_pose',
+    'delete_pose',
+    'restore_pose',
+    'find_people',
+    'look_before',
+    'close_fit',
+    'close_up',
+    'preview_poses',
+    'discard_sizes',
+    'reduce',
+    'discard_reduction',
+  ],
   ...['open', 'close', 'cancel', 'save_again'],
   ...['rename_session', 'duplicate_session', 'delete_session', 'restore_session'],
 ]);
@@ -41,7 +61,15 @@ export function keep(message) {
   for (const entry of entries) {
     if (isMove(entry.message) && !(isMove(message) && isOf(entry, message))) entry.over ??= n;
   }
-  entries.push({ client, n, message, server: server.server, file: fileNow(), revision: server.revision, look: lookNow() });
+  entries.push({
+    client,
+    n,
+    message,
+    server: server.server,
+    file: fileNow(),
+    revision: server.revision,
+    look: lookNow(),
+  });
   store();
   return n;
 }

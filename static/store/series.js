@@ -18,11 +18,17 @@ export function listOf(runs) {
 }
 
 /** Those of these names in an object, by default all. */
-const listsIn = (object, names = Object.keys(object)) => ({ ...object, ...Object.fromEntries(names.map((name) => [name, listOf(object[name])])) });
+const listsIn = (object, names = Object.keys(object)) => ({
+  ...object,
+  ...Object.fromEntries(names.map((name) => [name, listOf(object[name])])),
+});
 
 const READERS = {
   need: listOf,
   lanes: (lanes) => listsIn(lanes),
   curve: (curve) => listsIn(curve, ['x', 'y', 'z', 'error']),
-  joint_angle: (shown) => ({ ...shown, sides: shown.sides.map((side) => listsIn(side, side.errors ? ['values', 'errors'] : ['values'])) }),
+  joint_angle: (shown) => ({
+    ...shown,
+    sides: shown.sides.map((side) => listsIn(side, side.errors ? ['values', 'errors'] : ['values'])),
+  }),
 };

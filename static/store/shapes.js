@@ -324,7 +324,8 @@
  */
 
 /** @typedef {{ height_m: number | null, has_feet: boolean, soles: string, soles_off_cm: number | null }} Floor
- *   Along up from the camera; whether pinned feet could determine it; how soles lie on it, in words, and by how much they
+ * Along up from the camera; whether pinned feet could determine it; how soles lie on it, in words, and by how
+ * much they
  *   are off at most, null without any. */
 /** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
 /**
@@ -346,7 +347,9 @@
 
 /** @typedef {{ kind: string, first: number, last: number, words: string }} CameraFinding */
 
-/** @typedef {{ first: number, last: number, metres: number | null, off_m: number | null }} CameraWay  From its first place; what is said as ±. */
+/**
+ * @typedef {{ first: number, last: number, metres: number | null, off_m: number | null }} CameraWay  From its first place; what is said as ±.
+ */
 /** @typedef {{ frames: number[], T: number[][], zoom: number[] }} CameraPlaces  T_world_camera, 3 by 4, by rows. */
 
 /**

@@ -63,8 +63,24 @@ export function setUi(name, value) {
  * @type {Set<keyof Sections>}
  */
 const UNASKED = new Set([
-  'job', 'segments', 'errors', 'space', 'suggest', 'proposed_pins', 'fit', 'sizes_preview', 'draft', 'people', 'saved',
-  'undo', 'guide', 'damage', 'cues', 'networks', 'keypoints', 'tabs',
+  'job',
+  'segments',
+  'errors',
+  'space',
+  'suggest',
+  'proposed_pins',
+  'fit',
+  'sizes_preview',
+  'draft',
+  'people',
+  'saved',
+  'undo',
+  'guide',
+  'damage',
+  'cues',
+  'networks',
+  'keypoints',
+  'tabs',
 ]);
 
 /** @type {Partial<Sections> | null} */

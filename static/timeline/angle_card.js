@@ -3,9 +3,7 @@
 
 import { html, nothing, render, svg } from '../vendor/lit-html/lit-html.js';
 import { angleRange, SIDES, STEPS, ticksOf } from '../actions/angle_picture.js';
-import {
-  chartAngle, closeAngle, degrees, extremes, saveAnglePicture, saveAngleTable,
-} from '../actions/angles.js';
+import { chartAngle, closeAngle, degrees, extremes, saveAnglePicture, saveAngleTable } from '../actions/angles.js';
 import { frame, goTo, stopPlaying } from '../actions/playhead.js';
 import { clamp } from '../controls/arithmetic.js';
 import { button, dropdown, iconButton } from '../controls/fields.js';
@@ -91,8 +89,12 @@ function chart(shown) {
   const at = x(frame());
   return html`<svg class="anglechart" height=${height} role="img" aria-label=${`${shown.label}, degrees`}
       @pointerdown=${press} @pointermove=${drag}>
-    ${ticksOf(low, high, STEPS, 6).map((value) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)} />
-      <text x=${GUTTER - 8} y=${y(value) + 4}>${value}°</text>`)}
+    ${ticksOf(low, high, STEPS, 6).map(
+      (
+        value,
+      ) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)} />
+      <text x=${GUTTER - 8} y=${y(value) + 4}>${value}°</text>`,
+    )}
     ${shown.sides.map(({ side, values, errors }) => bands(values, errors).map((d) => svg`<path class="band ${side}" d=${d(y)} />`))}
     ${shown.sides.map((each) => curves(each, shown.guess).map(([kind, run]) => svg`<path class="curve ${kind}" d=${line(run, y)} />`))}
     ${shown.sides.map(({ side, values }) => ends(side, values, y, first, last))}
@@ -114,18 +116,25 @@ function curves({ side, values, errors }, guess) {
 /** By how much a side's values are expected to be off, around them: path data by the vertical scale. */
 function bands(values, errors) {
   if (!errors) return [];
-  const beside = (sign) => values.map((value, at) => (value === null || (errors[at] ?? null) === null ? null : value + sign * errors[at]));
+  const beside = (sign) =>
+    values.map((value, at) => (value === null || (errors[at] ?? null) === null ? null : value + sign * errors[at]));
   const above = runsOf(beside(1));
-  return runsOf(beside(-1)).map((below, at) => (y) => `${line(above[at], y)}L${line([...below].reverse(), y).slice(1)}Z`);
+  return runsOf(beside(-1)).map(
+    (below, at) => (y) => `${line(above[at], y)}L${line([...below].reverse(), y).slice(1)}Z`,
+  );
 }
 
 /** The lowest and the highest value, where they are. */
 function ends(side, values, y, first, last) {
   const found = extremes(values);
   if (!found) return nothing;
-  return [found.low, found.high].filter((one) => one.frame >= first && one.frame <= last).map((one) => svg`<g class="end ${side}">
+  return [found.low, found.high]
+    .filter((one) => one.frame >= first && one.frame <= last)
+    .map(
+      (one) => svg`<g class="end ${side}">
     <circle cx=${x(one.frame)} cy=${y(one.value)} r="3.5" />
-    <text x=${Math.min(x(one.frame), right() - END_PX)} y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`);
+    <text x=${Math.min(x(one.frame), right() - END_PX)} y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`,
+    );
 }
 
 function now(side, value, at, y) {

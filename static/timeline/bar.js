@@ -39,10 +39,16 @@ function transport() {
 }
 
 /** As it plays now, and to choose from. */
-const speed = () => dropdown({
-  kind: 'ghost', label: 'Speed', title: 'How fast to play', text: rateWords(), value: String(ui.speed),
-  options: SPEEDS.map((each) => ({ id: String(each), label: speedWords(each) })), act: (id) => chooseSpeed(Number(id)),
-});
+const speed = () =>
+  dropdown({
+    kind: 'ghost',
+    label: 'Speed',
+    title: 'How fast to play',
+    text: rateWords(),
+    value: String(ui.speed),
+    options: SPEEDS.map((each) => ({ id: String(each), label: speedWords(each) })),
+    act: (id) => chooseSpeed(Number(id)),
+  });
 
 const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm: 'flag' };
 
@@ -63,35 +69,66 @@ function drawSuggestion() {
   return strip(suggest.kind, SUGGESTION_ICONS[suggest.kind] ?? 'keyadd', title, words, buttons, `${title}. ${words}`);
 }
 
-const strip = (kind, sign, title, why, buttons, tip = `${title} ${why}`) => html`<div class=${`row sug ${kind}`} role="status" title=${tip}>
+const strip = (
+  kind,
+  sign,
+  title,
+  why,
+  buttons,
+  tip = `${title} ${why}`,
+) => html`<div class=${`row sug ${kind}`} role="status" title=${tip}>
   ${icon(sign)}<span class="tx"><b>${title}</b> <span class="mut">${why}</span></span>${buttons}</div>`;
 
 /** Where nothing is left to mend, how far the motion reaches comes first: the end of a long line is cut. */
-const detailOf = ({ kind, detail, ahead }) =>
-  (kind === 'good' && ahead ? `${noMotionYet(ahead)}. ${detail}` : detail);
+const detailOf = ({ kind, detail, ahead }) => (kind === 'good' && ahead ? `${noMotionYet(ahead)}. ${detail}` : detail);
 
 /** New sizes wait for an answer before anything else. */
-const newSizes = () => strip('preview', 'size', 'New sizes fit better.', outdatedWords(),
-  html`<button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button>`);
+const newSizes = () =>
+  strip(
+    'preview',
+    'size',
+    'New sizes fit better.',
+    outdatedWords(),
+    html`<button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button>`,
+  );
 
 /** A place is looked at; the answer is given here as well. */
 function reviewing({ kind, label, frame: at, reason, cause }) {
   const inDepth = cause === 'depth';
-  const asked = kind === 'draft' ? 'Is the draft right here?' : `Is the ${label.toLowerCase()} right ${inDepth ? 'in depth' : 'here'}?`;
+  const asked =
+    kind === 'draft'
+      ? 'Is the draft right here?'
+      : `Is the ${label.toLowerCase()} right ${inDepth ? 'in depth' : 'here'}?`;
   const answers = `${inDepth ? 'Look from the side: ' : ''}Enter accepts, drag corrects.`;
   const [title, why] = isElsewhere() ? [`In review: frame ${at}`, label] : [asked, answers];
-  const buttons = [primary('acceptPlace', labelOf('acceptPlace')), primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')];
+  const buttons = [
+    primary('acceptPlace', labelOf('acceptPlace')),
+    primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost'),
+  ];
   return strip('', 'flag', title, why, buttons, `Frame ${at}: ${reason}`);
 }
 
 /** The review was closed before its end. */
-const interrupted = () => strip('', 'flag', `Review: ${placesToReview().length} left`, '', html`
+const interrupted = () =>
+  strip(
+    '',
+    'flag',
+    `Review: ${placesToReview().length} left`,
+    '',
+    html`
   <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
-  <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button>`);
+  <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button>`,
+  );
 
 /** Pins wait to be accepted. */
-const drawProposals = () => strip('proposed', 'anchor', `${count(proposedPins().length, 'pin')} proposed.`, `The ${proposedWord()} still in these frames.`,
-  [small('dismissPins', 'ghost'), ...orStand('acceptPins')]);
+const drawProposals = () =>
+  strip(
+    'proposed',
+    'anchor',
+    `${count(proposedPins().length, 'pin')} proposed.`,
+    `The ${proposedWord()} still in these frames.`,
+    [small('dismissPins', 'ghost'), ...orStand('acceptPins')],
+  );
 
 /** "feet stand", "left foot stands", "hands and feet stand". */
 function proposedWord() {
@@ -102,29 +139,46 @@ function proposedWord() {
 }
 
 /** Pins hold a part where keyframes do not have it: the body jerks from one to the other. */
-const drawContradictions = () => strip('look', 'warn', `Pins contradict ${count(contradicted().length, 'keyframe')}.`, `${contradictions()[0].words}.`,
-  orStand('softKeys'));
+const drawContradictions = () =>
+  strip(
+    'look',
+    'warn',
+    `Pins contradict ${count(contradicted().length, 'keyframe')}.`,
+    `${contradictions()[0].words}.`,
+    orStand('softKeys'),
+  );
 
-/** That, and first of all standing on the floor where it can be done. @param {import('../actions/actions.js').ActionId} id */
+/**
+ * That, and first of all standing on the floor where it can be done.
+ * @param {import('../actions/actions.js').ActionId} id
+ */
 const orStand = (id) => (whyNot('stand') ? [small(id, 'pri')] : [small(id, 'ghost also'), small('stand', 'pri')]);
 
 /** @param {import('../actions/actions.js').ActionId} id */
-const small = (id, kind) => html`<button class="btn sm ${kind}" title=${titleOf(id)} @click=${() => perform(id)}>${labelOf(id)}</button>`;
+const small = (id, kind) =>
+  html`<button class="btn sm ${kind}" title=${titleOf(id)} @click=${() => perform(id)}>${labelOf(id)}</button>`;
 
 /** A draft waits to be confirmed before anything else. */
 function confirmation() {
   const place = placeAhead();
   if (!place) return null;
-  return { kind: 'confirm', ahead: null, frame: place.frame, title: placesWords(), detail: `Next: frame ${place.frame}. ${reasonOf(place)}` };
+  return {
+    kind: 'confirm',
+    ahead: null,
+    frame: place.frame,
+    title: placesWords(),
+    detail: `Next: frame ${place.frame}. ${reasonOf(place)}`,
+  };
 }
 
 function suggestionButton({ frame: to, kind, ahead }) {
   if (kind === 'track') return primary('trackChanged', subject().verb);
   const isAbout = kind === 'key' || kind === 'look';
   if (ahead && !isAbout) return aheadButton(ahead);
-  const go = to === null || to === undefined || to === frame()
-    ? html`<span class="pad"></span>`
-    : primary('suggestedFrame', 'Go', labelOf('goTo', to));
+  const go =
+    to === null || to === undefined || to === frame()
+      ? html`<span class="pad"></span>`
+      : primary('suggestedFrame', 'Go', labelOf('goTo', to));
   return html`${ahead ? aheadButton(ahead, 'ghost') : nothing}${go}`;
 }
 

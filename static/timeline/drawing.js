@@ -10,7 +10,8 @@ import { grabbed, hovered } from './pointer.js';
 
 /** What is dragged or hovered, over everything. @type {import('./marks.js').Layer} */
 const AT_HAND = {
-  group: 'top', z: 20,
+  group: 'top',
+  z: 20,
   from: () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis, ui.span],
   draw({ rows }) {
     const what = grabbed() ?? hovered();
@@ -19,7 +20,9 @@ const AT_HAND = {
   },
 };
 
-const LAYERS = [...GROUND, ...PLAYHEAD, ...MARKS.flatMap(({ layers = [] }) => layers), AT_HAND].sort((one, other) => one.z - other.z);
+const LAYERS = [...GROUND, ...PLAYHEAD, ...MARKS.flatMap(({ layers = [] }) => layers), AT_HAND].sort(
+  (one, other) => one.z - other.z,
+);
 
 /** Build the groups, and return what draws the layers that changed. */
 export function layersOf(drawing) {
@@ -28,7 +31,16 @@ export function layersOf(drawing) {
   groups.frames.setAttribute('clip-path', 'url(#tl-frames)');
   const layers = LAYERS.map((layer) => ({ ...layer, element: group(groups[layer.group]), before: null }));
   return (stage) => {
-    const common = [stage.rows, stage.lanes, stage.scroll, stage.empty, stage.bottom, ui.timeWindow, ui.timeSize, server.file];
+    const common = [
+      stage.rows,
+      stage.lanes,
+      stage.scroll,
+      stage.empty,
+      stage.bottom,
+      ui.timeWindow,
+      ui.timeSize,
+      server.file,
+    ];
     for (const layer of layers) {
       const now = [...common, ...layer.from()];
       if (layer.before?.every((value, i) => Object.is(value, now[i]))) continue;

@@ -19,7 +19,9 @@ import { segment } from './marks/segments.js';
 import { selection } from './marks/selection.js';
 import { span } from './marks/span.js';
 
-/** @typedef {{ x: number, y: number, ctrl?: boolean, shift?: boolean, alt?: boolean, page?: [number, number] }} Place */
+/**
+ * @typedef {{ x: number, y: number, ctrl?: boolean, shift?: boolean, alt?: boolean, page?: [number, number] }} Place
+ */
 /** @typedef {{ rows: any, lanes: any[], scroll: number, empty: boolean, bottom: number }} Stage
  * What the drawing stands on; `bottom` is where frames end, `empty` whether there are no lanes yet. */
 
@@ -54,8 +56,27 @@ import { span } from './marks/span.js';
 
 /** @type {Mark[]} */
 export const MARKS = [
-  selection, span, edge, overview, note, reviewPlace, keyframe, partKeyframe, draft, segment, keysRow, cameraKey, cameraFinding, cameraLane, pin,
-  proposal, lane, scoreChart, curveKey, proposedKeyframes, frames,
+  selection,
+  span,
+  edge,
+  overview,
+  note,
+  reviewPlace,
+  keyframe,
+  partKeyframe,
+  draft,
+  segment,
+  keysRow,
+  cameraKey,
+  cameraFinding,
+  cameraLane,
+  pin,
+  proposal,
+  lane,
+  scoreChart,
+  curveKey,
+  proposedKeyframes,
+  frames,
 ];
 
 export const markOf = (kind) => MARKS.find((mark) => mark.kind === kind);

@@ -23,9 +23,13 @@ let open = null;
 /** Draw the card in this element, over the timeline's drawing. */
 export function mountNoteCard(element, timeline) {
   [place, drawing] = [element, timeline];
-  addEventListener('pointerdown', (event) => {
-    if (open && !place.contains(/** @type {Node} */ (event.target))) close(true);
-  }, true);
+  addEventListener(
+    'pointerdown',
+    (event) => {
+      if (open && !place.contains(/** @type {Node} */ (event.target))) close(true);
+    },
+    true,
+  );
   watch(['u:note', 'u:search', 'file'], follow);
 }
 
@@ -45,7 +49,8 @@ function follow() {
 
 function draw(text) {
   const left = LONGEST - text.length;
-  render(html`<div class="menu stack notecard" role="dialog" aria-label=${`Note at frame ${open.frame}`} data-keeps-focus @keydown=${onKey}>
+  render(
+    html`<div class="menu stack notecard" role="dialog" aria-label=${`Note at frame ${open.frame}`} data-keeps-focus @keydown=${onKey}>
     <div class="row"><span class="i14">${icon('note')}</span><b>Note at frame ${open.frame}</b><span class="sp"></span>
       <span class="dim num" aria-live="polite">${left <= LONGEST - NEARLY_FULL ? `${left} left` : nothing}</span></div>
     <textarea rows="3" maxlength=${LONGEST} aria-label="Note" placeholder="Left empty, it is a flag"
@@ -54,7 +59,9 @@ function draw(text) {
       <span class="sp"></span>
       <button class="btn sm ghost" @click=${() => close(false)}>Cancel<kbd>Esc</kbd></button>
       <button class="btn sm pri" @click=${() => close(true)}>Save<kbd>Enter</kbd></button></div>
-  </div>`, place);
+  </div>`,
+    place,
+  );
 }
 
 /** Over its frame, as far as that is shown. */

@@ -3,7 +3,12 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import {
-  applyReduction, discardReduction, isReducing, limbToReduce, reductionMessage, USUAL,
+  applyReduction,
+  discardReduction,
+  isReducing,
+  limbToReduce,
+  reductionMessage,
+  USUAL,
 } from '../actions/proposals.js';
 import { checkbox, numberField, segmented, slider } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
@@ -18,11 +23,35 @@ const SOURCES = { tracked: 'Tracked', drafts: 'Drafted', imported: 'Imported' };
 const OFF = 'How far any point of the body may be off where keyframes alone are interpolated';
 const UNITS = {
   every: {
-    id: 'every', label: 'Frames', name: 'One keyframe in', title: 'As few as you like: the motion stays as it is between them',
-    least: 2, most: 200, of: 'frames', about: 'How many frames one keyframe stands for',
+    id: 'every',
+    label: 'Frames',
+    name: 'One keyframe in',
+    title: 'As few as you like: the motion stays as it is between them',
+    least: 2,
+    most: 200,
+    of: 'frames',
+    about: 'How many frames one keyframe stands for',
   },
-  cm: { id: 'cm', label: 'cm', name: 'Tolerance', title: 'As many as interpolation needs, in space', least: 0.5, most: 50, of: 'cm', about: OFF },
-  px: { id: 'px', label: 'px', name: 'Tolerance', title: 'As many as interpolation needs, in the picture', least: 0.5, most: 200, of: 'px', about: OFF },
+  cm: {
+    id: 'cm',
+    label: 'cm',
+    name: 'Tolerance',
+    title: 'As many as interpolation needs, in space',
+    least: 0.5,
+    most: 50,
+    of: 'cm',
+    about: OFF,
+  },
+  px: {
+    id: 'px',
+    label: 'px',
+    name: 'Tolerance',
+    title: 'As many as interpolation needs, in the picture',
+    least: 0.5,
+    most: 200,
+    of: 'px',
+    about: OFF,
+  },
 };
 
 let place = null;
@@ -74,15 +103,25 @@ function goal() {
   const { id, name, least, most, of, about } = unit();
   const whole = id === 'every';
   const spec = {
-    key: `reduce.${id}`, label: name, value: whole ? server.reduction.goal : server.reduction[id], unit: of,
-    decimals: whole ? 0 : 1, step: whole ? 1 : 0.1, coarse: whole ? 10 : 1, perPixel: whole ? 0.5 : 0.1, min: least, max: most,
+    key: `reduce.${id}`,
+    label: name,
+    value: whole ? server.reduction.goal : server.reduction[id],
+    unit: of,
+    decimals: whole ? 0 : 1,
+    step: whole ? 1 : 0.1,
+    coarse: whole ? 10 : 1,
+    perPixel: whole ? 0.5 : 0.1,
+    min: least,
+    max: most,
     edit: (value) => reductionMessage({ [id]: whole ? Math.round(value) : value }),
   };
   return html`<div class="row tolerance"><label>${name}</label>
     ${slider({ ...spec, zero: least, tick: false, log: true, title: about })}
     ${numberField(spec)}
     ${segmented({
-      label: 'Asked for in', value: id, options: Object.values(UNITS),
+      label: 'Asked for in',
+      value: id,
+      options: Object.values(UNITS),
       act: (other) => send(reductionMessage({ every: null, cm: null, px: null, [other]: USUAL[other] })),
     })}</div>`;
 }
@@ -103,7 +142,8 @@ function limb() {
   const part = limbs.length ? partNamed(limbs[0]) : limbToReduce();
   if (!part || server.keys.frames.length < 2) return nothing;
   return checkbox({
-    label: `Only the limb of the ${part.label.toLowerCase()}`, on: limbs.length > 0,
+    label: `Only the limb of the ${part.label.toLowerCase()}`,
+    on: limbs.length > 0,
     title: 'Part keyframes of this limb; the rest of the body stays as it is',
     act: (on) => send(reductionMessage({ limbs: on ? [part.name] : [] })),
   });
@@ -114,7 +154,8 @@ function replacing() {
   const own = server.keys.frames.filter((frame) => first < frame && frame < last);
   if (!own.length || limbs.length) return nothing;
   return checkbox({
-    label: 'May remove keyframes that are there', on,
+    label: 'May remove keyframes that are there',
+    on,
     title: `Of ${count(own.length, 'keyframe')}, those that the motion does not need`,
     act: (value) => send(reductionMessage({ replacing: value })),
   });

@@ -26,11 +26,46 @@ import { memoize } from './draw/series.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
-  'file', 'damage', 'view', 'keys', 'segments', 'draft', 'reduction', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
-  'pins', 'proposed_pins', 'camera_motion', 'notes', 'u:timePin', 'review', 'u:review', 'u:placeSeen', 'u:reviewGoal', 'u:reviewLeft',
-  'u:timeKeys', 'u:span', 'u:loop', 'u:speed', 'u:shuttle',
-  'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
-  'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
+  'file',
+  'damage',
+  'view',
+  'keys',
+  'segments',
+  'draft',
+  'reduction',
+  'suggest',
+  'need',
+  'lanes',
+  'curve',
+  'body',
+  'job',
+  'pins',
+  'proposed_pins',
+  'camera_motion',
+  'notes',
+  'u:timePin',
+  'review',
+  'u:review',
+  'u:placeSeen',
+  'u:reviewGoal',
+  'u:reviewLeft',
+  'u:timeKeys',
+  'u:span',
+  'u:loop',
+  'u:speed',
+  'u:shuttle',
+  'u:playing',
+  'u:chart',
+  'u:lanes',
+  'u:curveAxis',
+  'u:timeWindow',
+  'u:timeSize',
+  'u:timeHead',
+  'u:timeGrabbed',
+  'u:timeHover',
+  'u:timeOpen',
+  'u:timeScroll',
+  'u:zoomHint',
 ];
 
 ui.timeSize = { width: 0, height: 0 };
@@ -80,7 +115,9 @@ function measure(drawing) {
   setUi('timeSize', { width, height });
 }
 
-const rows = memoize((height, zoomed, lanes, weakest, pins, camera) => rowsFor({ height, zoomed, lanes, weakest, pins, camera }));
+const rows = memoize((height, zoomed, lanes, weakest, pins, camera) =>
+  rowsFor({ height, zoomed, lanes, weakest, pins, camera }),
+);
 
 /** @returns {import('./marks.js').Stage} */
 function ground() {

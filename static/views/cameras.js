@@ -35,18 +35,11 @@ export function cameraEye(camera) {
   const distance = (z) => (telephoto ? camera.telephoto_distance_m : Math.max(z, 0.01));
   return {
     rows: AS_CAMERA,
-    project: ([x, y, z]) => [
-      (camera.fx * x) / distance(z) + camera.cx,
-      (camera.fy * y) / distance(z) + camera.cy,
-      z,
-    ],
+    project: ([x, y, z]) => [(camera.fx * x) / distance(z) + camera.cx, (camera.fy * y) / distance(z) + camera.cy, z],
     unitsPerMetre: ([, , z]) => camera.fx / distance(z),
     setProjection(matrix, edges, coordinates, reversed) {
       const [left, top] = [(edges[0] - camera.cx) / camera.fx, (edges[1] - camera.cy) / camera.fy];
-      const [right, bottom] = [
-        (edges[2] - camera.cx) / camera.fx,
-        (edges[3] - camera.cy) / camera.fy,
-      ];
+      const [right, bottom] = [(edges[2] - camera.cx) / camera.fx, (edges[3] - camera.cy) / camera.fy];
       // A telephoto lens is a parallel one whose scale is that at one distance.
       const k = telephoto ? camera.telephoto_distance_m : NEAREST_M;
       const sides = [left * k, right * k, -top * k, -bottom * k, NEAREST_M, FARTHEST_M];
@@ -61,8 +54,7 @@ export function cameraEye(camera) {
 export function parallelEye(name, rotations, middle) {
   const rows = rotations?.[name] ?? USUAL_VIEWS[name];
   const place = rotations?.origin ?? [0, 0, 0];
-  const along = (row, p) =>
-    row[0] * (p[0] - place[0]) + row[1] * (p[1] - place[1]) + row[2] * (p[2] - place[2]);
+  const along = (row, p) => row[0] * (p[0] - place[0]) + row[1] * (p[1] - place[1]) + row[2] * (p[2] - place[2]);
   const depth = along(rows[2], middle);
   return {
     rows,

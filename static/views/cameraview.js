@@ -57,7 +57,9 @@ export class CameraView extends View {
     const { width, height } = this.window;
     const sharpness = Math.min(devicePixelRatio, GREATEST_SHARPNESS);
     const [across, down] = [width, height].map((px) => Math.round(px * sharpness));
-    if (this.#figure.width !== across || this.#figure.height !== down) Object.assign(this.#figure, { width: across, height: down });
+    if (this.#figure.width !== across || this.#figure.height !== down) {
+      Object.assign(this.#figure, { width: across, height: down });
+    }
     const ctx = this.#figure.getContext('2d');
     ctx.setTransform(across / width, 0, 0, down / height, 0, 0);
     ctx.clearRect(0, 0, width, height);

@@ -21,7 +21,11 @@ const LEAST_DASH_PX = 2;
 /** @type {Rgb} */
 const WHITE = [255, 255, 255];
 /** Of the keyframe before, of the one after, and of a soft one's own pose. */
-const GHOSTS = /** @type {Rgb[]} */ ([[134, 217, 147], [217, 213, 199], [240, 186, 96]]);
+const GHOSTS = /** @type {Rgb[]} */ ([
+  [134, 217, 147],
+  [217, 213, 199],
+  [240, 186, 96],
+]);
 /** Of the body that new sizes are compared with. */
 const BEFORE = /** @type {Rgb} */ ([226, 226, 230]);
 /** Where the style sheet has the colours of parts by their side, and of what is selected. */
@@ -62,7 +66,9 @@ export function paintFigure(ctx, view) {
   const looks = Object.fromEntries(body.parts.map(({ name, side }) => [name, lookOf(name, side)]));
   const parts = [
     ...seen(solids, pose.T).map((part) => ({ ...part, paint: () => paintPart(ctx, part, looks[part.name]) })),
-    ...(server.ghosts ?? []).flatMap(({ T }, i) => seenThrough(seen(solids, T), css(GHOSTS[i], GHOST_OPACITY), GHOST_PX)),
+    ...(server.ghosts ?? []).flatMap(({ T }, i) =>
+      seenThrough(seen(solids, T), css(GHOSTS[i], GHOST_OPACITY), GHOST_PX),
+    ),
     ...(server.before ? seenThrough(seen(server.before.solids, server.before.T), css(BEFORE), LINE_PX) : []),
   ];
   for (const { paint } of farthestFirst(parts)) paint();

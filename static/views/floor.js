@@ -29,7 +29,9 @@ export function gridPaths(project, { level, floor, centre, reach, cell = CELL_M 
     const count = Math.floor(reach / cell);
     for (let k = Math.ceil(middle / cell) - count; k <= middle / cell + count; k++) {
       const half = Math.sqrt(Math.max(reach * reach - (k * cell - middle) ** 2, 0));
-      drawLine(paths, k % STRONG_EVERY === 0, k * cell - middle, other, half, cell * PIECES, reach, (b) => point(k * cell, b));
+      drawLine(paths, k % STRONG_EVERY === 0, k * cell - middle, other, half, cell * PIECES, reach, (b) =>
+        point(k * cell, b),
+      );
     }
   };
   lines(x, z, (a, b) => at(a, b));
@@ -60,8 +62,7 @@ function addPiece(paths, isStrong, band, a, b) {
   paths.set(key, path);
 }
 
-const isSeen = ([x, y, depth]) =>
-  depth > NEAR_M && Math.abs(x) < FARTHEST_PX && Math.abs(y) < FARTHEST_PX;
+const isSeen = ([x, y, depth]) => depth > NEAR_M && Math.abs(x) < FARTHEST_PX && Math.abs(y) < FARTHEST_PX;
 
 /** Points of a part, given in its frame, in the camera's; T has three rows of four. */
 export function placed(points, T) {

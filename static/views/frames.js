@@ -75,7 +75,8 @@ function shrink() {
   return [4, 2].find((by) => by * across <= 1) ?? 1;
 }
 
-const addressOf = (frame) => `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}&shrink=${shrink()}`;
+const addressOf = (frame) =>
+  `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}&shrink=${shrink()}`;
 
 /** Whether the picture on the screen is this frame's, or will never be: it cannot be read. */
 export const isPictureOf = (frame) => shown === frame || refused.has(frame);
@@ -130,7 +131,10 @@ function loadFirst(frame) {
 function loadAround(frame) {
   const last = server.file.frames - 1;
   queue.length = 0;
-  for (const next of [frame, ...(play ? framesAhead(play.run, frame, AHEAD) : [1, -1, 2, -2, 3, -3].map((step) => frame + step))]) {
+  for (const next of [
+    frame,
+    ...(play ? framesAhead(play.run, frame, AHEAD) : [1, -1, 2, -2, 3, -3].map((step) => frame + step)),
+  ]) {
     if (next >= 0 && next <= last && !decoded.has(next) && !loading.has(next)) queue.push(next);
   }
   pump();
@@ -190,7 +194,13 @@ function startPlaying() {
 function runFrom(at, began) {
   const { frames, fps, times } = server.file;
   const rate = ui.speed * ui.shuttle;
-  const range = rangeToPlay({ lastFrame: frames - 1, keys: server.keys?.frames ?? [], span: ui.span, at, way: Math.sign(rate) });
+  const range = rangeToPlay({
+    lastFrame: frames - 1,
+    keys: server.keys?.frames ?? [],
+    span: ui.span,
+    at,
+    way: Math.sign(rate),
+  });
   return { ...range, began, rate, loops: ui.loop, fps, times };
 }
 

@@ -73,7 +73,9 @@ export function drawShadow(project) {
   const down = (p) => project(dropped(p, level, floor));
   return svg`<defs><filter id="free-soft" x="-40%" y="-40%" width="180%" height="180%">
       <feGaussianBlur stdDeviation="9" /></filter></defs>
-    <path class="shadow" filter="url(#free-soft)" d=${outlines(server.pose.T, down).map(({ d }) => d).join('')} />`;
+    <path class="shadow" filter="url(#free-soft)" d=${outlines(server.pose.T, down)
+      .map(({ d }) => d)
+      .join('')} />`;
 }
 
 /** The outline of every part standing so, with its depth. */
@@ -140,7 +142,11 @@ export function drawWays(project) {
 function drawWay(project, { side, points }, shown) {
   const { level, floor } = ground();
   const { frames } = server.feet;
-  const seen = shown.map((i) => ({ frame: frames[i], at: project(points[i]), low: project(dropped(points[i], level, floor)) }));
+  const seen = shown.map((i) => ({
+    frame: frames[i],
+    at: project(points[i]),
+    low: project(dropped(points[i], level, floor)),
+  }));
   const whole = seen.filter(({ at, low }) => at[2] > NEAR_M && low[2] > NEAR_M);
   const past = whole.filter(({ frame }) => frame <= server.view.frame);
   const future = whole.filter(({ frame }) => frame >= server.view.frame);
@@ -172,7 +178,9 @@ export function wayKeys(project) {
   const { frames } = server.feet;
   const shown = shownMoments().filter((i) => keys.has(frames[i]));
   return pathsHere().flatMap(({ part, points, label }) =>
-    shown.map((i) => ({ part, frame: frames[i], at: project(points[i]), label: `${label}, frame ${frames[i]}` })).filter(({ at }) => at[2] > NEAR_M),
+    shown
+      .map((i) => ({ part, frame: frames[i], at: project(points[i]), label: `${label}, frame ${frames[i]}` }))
+      .filter(({ at }) => at[2] > NEAR_M),
   );
 }
 
@@ -196,9 +204,12 @@ export function filmCamera() {
   const away = Math.min(PICTURE_M, PICTURE_SHARE * Math.max(bodyMiddle()[2], 0.3));
   const k = isTele ? camera.telephoto_distance_m : away;
   const [w, h] = [camera.width - 0.5, camera.height - 0.5];
-  const corners = [[-0.5, -0.5], [w, -0.5], [w, h], [-0.5, h]].map(([u, v]) => [
-    ((u - camera.cx) / camera.fx) * k, ((v - camera.cy) / camera.fy) * k, away,
-  ]);
+  const corners = [
+    [-0.5, -0.5],
+    [w, -0.5],
+    [w, h],
+    [-0.5, h],
+  ].map(([u, v]) => [((u - camera.cx) / camera.fx) * k, ((v - camera.cy) / camera.fy) * k, away]);
   return { place: [0, 0, 0], corners, isTele };
 }
 
@@ -233,8 +244,16 @@ export function drawCameraPath(project) {
 function frustum(project, T, zoom) {
   const { camera } = server;
   const here = camera.fx / zoomHere();
-  const corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([x, y]) =>
-    [(x * camera.width * FRUSTUM_M) / (here * zoom), (y * camera.height * FRUSTUM_M) / (here * zoom), FRUSTUM_M]);
+  const corners = [
+    [-0.5, -0.5],
+    [0.5, -0.5],
+    [0.5, 0.5],
+    [-0.5, 0.5],
+  ].map(([x, y]) => [
+    (x * camera.width * FRUSTUM_M) / (here * zoom),
+    (y * camera.height * FRUSTUM_M) / (here * zoom),
+    FRUSTUM_M,
+  ]);
   const seen = [[0, 0, 0], ...corners].map((p) => project(toCamera(moved(p, T))));
   if (seen.some((p) => p[2] < NEAR_M)) return '';
   const [at, ...frame] = seen;
@@ -244,7 +263,10 @@ function frustum(project, T, zoom) {
 /** The zoom of the present frame: the camera's numbers are those of it. */
 function zoomHere() {
   const { frames, zoom } = server.camera_motion.path;
-  const nearest = frames.reduce((best, f, i) => (Math.abs(f - server.view.frame) < Math.abs(frames[best] - server.view.frame) ? i : best), 0);
+  const nearest = frames.reduce(
+    (best, f, i) => (Math.abs(f - server.view.frame) < Math.abs(frames[best] - server.view.frame) ? i : best),
+    0,
+  );
   return zoom[nearest];
 }
 

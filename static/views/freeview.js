@@ -7,11 +7,35 @@ import { server, setUi, ui, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
 import { onto } from './floor.js';
 import {
-  bodyMiddle, drawCameraPath, drawFilmCamera, drawFloor, drawGhosts, drawShadow, drawWays, filmCamera, filmWords, ghostLabels,
-  ground, hasBody, toCamera, wayKeys, wayLabels,
+  bodyMiddle,
+  drawCameraPath,
+  drawFilmCamera,
+  drawFloor,
+  drawGhosts,
+  drawShadow,
+  drawWays,
+  filmCamera,
+  filmWords,
+  ghostLabels,
+  ground,
+  hasBody,
+  toCamera,
+  wayKeys,
+  wayLabels,
 } from './freescene.js';
 import {
-  aboveFloor, alongAxis, between, dollied, FOCAL, framing, freeEye, isEye, orbited, panned, placeOf, rowsOf,
+  aboveFloor,
+  alongAxis,
+  between,
+  dollied,
+  FOCAL,
+  framing,
+  freeEye,
+  isEye,
+  orbited,
+  panned,
+  placeOf,
+  rowsOf,
 } from './orbit.js';
 import { View } from './view.js';
 import { moved, movedBack } from './world.js';
@@ -179,7 +203,10 @@ export class FreeView extends View {
   /** The body, its way, and the camera's picture, from beside. */
   #usual() {
     const level = server.views.front;
-    const points = [...Object.values(server.pose?.points ?? {}), ...(server.feet?.paths ?? []).flatMap((foot) => foot.points.map(toCamera))];
+    const points = [
+      ...Object.values(server.pose?.points ?? {}),
+      ...(server.feet?.paths ?? []).flatMap((foot) => foot.points.map(toCamera)),
+    ];
     if (!points.length) points.push([-1, -1, 2], [1, 1, 4]);
     const { width, height } = this.window;
     const half = [width, height].map((px) => (MARGIN * px * FOCAL) / (2 * FOCAL_SHARE * Math.min(width, height)));
@@ -272,14 +299,17 @@ export class FreeView extends View {
 
   /** The picture of the film, laid into its frame. */
   #drawPicture(isReady) {
-    const corners = isReady && this.habits.camera && this.#source.dataset.frame ? filmCamera().corners.map(this.#project) : [];
+    const corners =
+      isReady && this.habits.camera && this.#source.dataset.frame ? filmCamera().corners.map(this.#project) : [];
     const isSeen = corners.length > 0 && corners.every((p) => p[2] > 0.05);
     this.#film.hidden = !isSeen;
     if (!isSeen) return;
     const { width, height } = this.#source;
     const k = Math.min(1, PICTURE_PX / Math.max(width, height));
     const [across, down] = [Math.round(width * k), Math.round(height * k)];
-    if (this.#film.width !== across || this.#film.height !== down) Object.assign(this.#film, { width: across, height: down });
+    if (this.#film.width !== across || this.#film.height !== down) {
+      Object.assign(this.#film, { width: across, height: down });
+    }
     this.#film.getContext('2d').drawImage(this.#source, 0, 0, across, down);
     this.#film.style.transform = onto(corners, across, down);
   }
@@ -301,11 +331,13 @@ export class FreeView extends View {
     const { place, corners } = filmCamera();
     const [at, corner] = [this.project(place), this.project(corners[3])];
     const isApart = Math.hypot(at[0] - corner[0], at[1] - corner[1]) > APART_PX;
-    return html`${at[2] > 0.05
-      ? html`<button class="eye" title="Camera view" data-key="1" aria-label="Camera view" style=${stand(at)}
+    return html`${
+      at[2] > 0.05
+        ? html`<button class="eye" title="Camera view" data-key="1" aria-label="Camera view" style=${stand(at)}
             @click=${() => setUi('layout', 'main')}>${icon('camc')}</button>
           ${isApart ? label({ words: 'Camera', at, shift: [16, 1] }) : nothing}`
-      : nothing}
+        : nothing
+    }
     ${corner[2] > 0.05 ? label({ words: filmWords(), at: corner, shift: [0, 20], kind: 'faint' }) : nothing}`;
   }
 
@@ -321,12 +353,14 @@ export class FreeView extends View {
     ends.sort((a, b) => b.depth - a.depth);
     return html`<svg class="axes" viewBox="-34 -34 68 68" role="group" aria-label="Axes">
       <circle class="ground" r="34" />
-      ${ends.map(({ axis, x, y }) => svg`<g class=${`axis ${axis}`} role="button" tabindex="0" data-axis=${axis}
+      ${ends.map(
+        ({ axis, x, y }) => svg`<g class=${`axis ${axis}`} role="button" tabindex="0" data-axis=${axis}
         aria-label=${`Look along ${axis.toUpperCase()}`} @click=${() => this.alongAxis(axis)}
         @keydown=${(event) => this.#axisKey(event, axis)}>
         <title>Look along ${axis.toUpperCase()}</title>
         <path d=${`M0 0L${x.toFixed(1)} ${y.toFixed(1)}`} /><circle cx=${x} cy=${y} r="7.5" />
-        <text x=${x} y=${y + 3.5}>${axis.toUpperCase()}</text></g>`)}
+        <text x=${x} y=${y + 3.5}>${axis.toUpperCase()}</text></g>`,
+      )}
     </svg>`;
   }
 
@@ -341,10 +375,12 @@ export class FreeView extends View {
 /** Without those that would stand on one before them. */
 function apart(labels) {
   const place = ({ at, shift }) => [at[0] + shift[0], at[1] + shift[1]];
-  return labels.filter((one, i) => labels.slice(0, i).every((other) => {
-    const [a, b] = [place(one), place(other)];
-    return Math.hypot(a[0] - b[0], a[1] - b[1]) > LABEL_PX;
-  }));
+  return labels.filter((one, i) =>
+    labels.slice(0, i).every((other) => {
+      const [a, b] = [place(one), place(other)];
+      return Math.hypot(a[0] - b[0], a[1] - b[1]) > LABEL_PX;
+    }),
+  );
 }
 
 /** @param {number[]} at */

@@ -15,10 +15,34 @@ const STEP_PX = 16;
 /** What can be dragged: where it is, what it sizes, the style it sets, its range, and which way makes it larger. */
 const SPLITTERS = {
   views: { in: 'stage', label: 'Width of the views', style: '--w-views', least: 176, most: 420, along: 'x', grows: -1 },
-  insp: { in: 'insp', label: 'Width of the inspector', style: '--w-insp', least: 256, most: 400, along: 'x', grows: -1 },
-  time: { in: 'time', label: 'Height of the timeline', style: '--h-time', least: 120, most: () => innerHeight / 2, along: 'y', grows: -1 },
+  insp: {
+    in: 'insp',
+    label: 'Width of the inspector',
+    style: '--w-insp',
+    least: 256,
+    most: 400,
+    along: 'x',
+    grows: -1,
+  },
+  time: {
+    in: 'time',
+    label: 'Height of the timeline',
+    style: '--h-time',
+    least: 120,
+    most: () => innerHeight / 2,
+    along: 'y',
+    grows: -1,
+  },
   first: { in: 'stage', label: 'Height of the view above', style: '--r-one', least: 80, along: 'y', grows: 1, rows: 0 },
-  second: { in: 'stage', label: 'Height of the view above', style: '--r-two', least: 80, along: 'y', grows: 1, rows: 1 },
+  second: {
+    in: 'stage',
+    label: 'Height of the view above',
+    style: '--r-two',
+    least: 80,
+    along: 'y',
+    grows: 1,
+    rows: 1,
+  },
 };
 
 export function mountLayout() {
@@ -26,7 +50,10 @@ export function mountLayout() {
   restore();
   watch(['u:layout'], place);
   // In a lower window a chosen height may be more than half of it.
-  addEventListener('resize', () => document.documentElement.style.getPropertyValue('--h-time') && set('time', sizeOf('time')));
+  addEventListener(
+    'resize',
+    () => document.documentElement.style.getPropertyValue('--h-time') && set('time', sizeOf('time')),
+  );
 }
 
 let before = 'main';
@@ -114,7 +141,9 @@ function sizeOf(name) {
   if (rows !== undefined) return rowHeights()[rows];
   const ids = { views: null, insp: 'insp', time: 'time' };
   const element = ids[name] ? document.getElementById(ids[name]) : smallView();
-  return SPLITTERS[name].along === 'x' ? element.offsetWidth : element.offsetHeight - (name === 'time' ? chartHeight() : 0);
+  return SPLITTERS[name].along === 'x'
+    ? element.offsetWidth
+    : element.offsetHeight - (name === 'time' ? chartHeight() : 0);
 }
 
 /** @returns {HTMLElement} */

@@ -18,12 +18,9 @@ const CLEAR_M = 0.02;
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 /** @type {(a: number[], b: number[], k?: number) => import('../store/shapes.js').Point} */
 export const plus = (a, b, k = 1) => [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]];
-const cross = (a, b) => [
-  a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
-];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 /** Something of the level frame, whose rows are those of the front view, in the camera frame. */
-const fromLevel = (level, v) =>
-  [0, 1, 2].map((k) => level[0][k] * v[0] + level[1][k] * v[1] + level[2][k] * v[2]);
+const fromLevel = (level, v) => [0, 1, 2].map((k) => level[0][k] * v[0] + level[1][k] * v[1] + level[2][k] * v[2]);
 
 /** R_eye_camera: right, down and away as rows. */
 export function rowsOf({ azimuth, elevation }, level) {
@@ -87,8 +84,7 @@ export function alongAxis(state, level, axis, middle) {
   return { ...state, azimuth: azimuth ?? state.azimuth, elevation, target: middle };
 }
 
-const isAt = ({ azimuth, elevation }, side) =>
-  Math.abs(wrapped(azimuth - side)) < 0.5 && elevation < LOWEST_DEG + 0.5;
+const isAt = ({ azimuth, elevation }, side) => Math.abs(wrapped(azimuth - side)) < 0.5 && elevation < LOWEST_DEG + 0.5;
 
 /**
  * As near as all points are seen, in a plane of this half width and height, around their middle.

@@ -47,10 +47,19 @@ export function outlined(solids, T, project, isParallel) {
     .filter((part) => part.hull.length > 2);
 }
 
-/** @param {import('../store/shapes.js').Solid} solid @param {number[]} T @param {Project} project @returns {Outlined} */
+/**
+ * @param {import('../store/shapes.js').Solid} solid
+ * @param {number[]} T
+ * @param {Project} project
+ * @returns {Outlined}
+ */
 function partSeen(name, solid, T, project, isParallel) {
   const screen = (points) => hull(points.map(project).filter(([, , depth]) => depth > NEAR_M));
-  const turned = ([x, y, z]) => [T[0] * x + T[1] * y + T[2] * z, T[4] * x + T[5] * y + T[6] * z, T[8] * x + T[9] * y + T[10] * z];
+  const turned = ([x, y, z]) => [
+    T[0] * x + T[1] * y + T[2] * z,
+    T[4] * x + T[5] * y + T[6] * z,
+    T[8] * x + T[9] * y + T[10] * z,
+  ];
   const isFacing = (normal, p) => (isParallel ? normal[2] : dot(normal, p)) < 0;
   const flats = solid.flats.map(({ points, normal }) => ({ at: placed(points, T), normal: turned(normal) }));
   const facing = flats.filter(({ at, normal }) => isFacing(normal, at[0]));
@@ -75,7 +84,10 @@ function partSeen(name, solid, T, project, isParallel) {
 function axisOf(points, T, project) {
   const ranges = [0, 1, 2].map((k) => [Math.min(...points.map((p) => p[k])), Math.max(...points.map((p) => p[k]))]);
   const [x, , z] = ranges.map(([low, high]) => (low + high) / 2);
-  const [a, b] = placed(ranges[1].map((y) => [x, y, z]), T).map(project);
+  const [a, b] = placed(
+    ranges[1].map((y) => [x, y, z]),
+    T,
+  ).map(project);
   return { axis: [a, b], half_m: (ranges[0][1] - ranges[0][0] + ranges[2][1] - ranges[2][0]) / 4 };
 }
 
@@ -115,7 +127,11 @@ function covers(part, other) {
   return frontAt(part, middle) < frontAt(other, middle);
 }
 
-/** The depth of a part's surface at the place of its axis that is nearest on the screen. @param {Outlined} part @param {number[]} at */
+/**
+ * The depth of a part's surface at the place of its axis that is nearest on the screen.
+ * @param {Outlined} part
+ * @param {number[]} at
+ */
 function frontAt({ axis: [a, b], half_m }, [x, y]) {
   const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
   const share = ((x - a[0]) * dx + (y - a[1]) * dy) / Math.max(dx * dx + dy * dy, 1e-9);
@@ -132,14 +148,21 @@ const SUN = 1.6;
 const GROUND = [92, 96, 106].map(linear);
 const STOPS = [-1, -0.5, 0, 0.5, 1];
 
-/** The colour of a surface with this normal in the camera frame. @param {Rgb} colour @param {number[]} normal @returns {Rgb} */
+/**
+ * The colour of a surface with this normal in the camera frame.
+ * @param {Rgb} colour
+ * @param {number[]} normal
+ * @returns {Rgb}
+ */
 export function lit(colour, normal) {
   const towards = dot(normal, TO_LIGHT);
   const share = 0.5 * towards + 0.5;
-  return /** @type {Rgb} */ (colour.map((value, k) => {
-    const light = SKY * (GROUND[k] * (1 - share) + share) + SUN * Math.max(towards, 0);
-    return encoded((linear(value) * light) / Math.PI);
-  }));
+  return /** @type {Rgb} */ (
+    colour.map((value, k) => {
+      const light = SKY * (GROUND[k] * (1 - share) + share) + SUN * Math.max(towards, 0);
+      return encoded((linear(value) * light) / Math.PI);
+    })
+  );
 }
 
 /** @param {number} value */
@@ -167,21 +190,33 @@ const cross = ([a, b, c], [x, y, z]) => [b * z - c * y, c * x - a * z, a * y - b
 export const css = ([r, g, b], alpha = 1) => `rgba(${r},${g},${b},${alpha})`;
 
 /** @param {Rgb} colour @param {number} share @returns {Rgb} */
-export const towardWhite = (colour, share) => /** @type {Rgb} */ (colour.map((v) => Math.round(v * (1 - share) + 255 * share)));
+export const towardWhite = (colour, share) =>
+  /** @type {Rgb} */ (colour.map((v) => Math.round(v * (1 - share) + 255 * share)));
 
 const WIRE_SHARE = 0.3;
 const WIRE_OPACITY = 0.38;
 
-/** Paint a part over what lies behind it. @param {CanvasRenderingContext2D} ctx @param {Outlined} part @param {Look} look */
+/**
+ * Paint a part over what lies behind it.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {Outlined} part
+ * @param {Look} look
+ */
 export function paintPart(ctx, part, look) {
   ctx.lineJoin = ctx.lineCap = 'round';
   cover(ctx, part.hull, look.opacity && sideOf(ctx, part, look));
-  part.flats.forEach((flat, i) => cover(ctx, flat, look.opacity && css(lit(look.colour, part.normals[i]), look.opacity)));
+  part.flats.forEach((flat, i) =>
+    cover(ctx, flat, look.opacity && css(lit(look.colour, part.normals[i]), look.opacity)),
+  );
   if (look.isWired) strokeLines(ctx, part.wires, false, css(towardWhite(look.colour, WIRE_SHARE), WIRE_OPACITY), 1);
   strokeLines(ctx, [part.hull, ...part.flats], true, css(look.line), look.width);
 }
 
-/** All lines of a part that lets everything be seen through it. @param {CanvasRenderingContext2D} ctx @param {Outlined} part */
+/**
+ * All lines of a part that lets everything be seen through it.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {Outlined} part
+ */
 export function paintLines(ctx, part, colour, width) {
   ctx.lineJoin = ctx.lineCap = 'round';
   strokeLines(ctx, [part.hull, ...part.flats, ...part.hidden], true, colour, width);
@@ -214,7 +249,12 @@ function trace(ctx, lines, isClosed) {
   }
 }
 
-/** The round side: light from one edge of it to the other. @param {CanvasRenderingContext2D} ctx @param {Outlined} part @param {Look} look */
+/**
+ * The round side: light from one edge of it to the other.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {Outlined} part
+ * @param {Look} look
+ */
 function sideOf(ctx, { axis: [a, b], along, hull: corners }, { colour, opacity }) {
   const middle = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
   const [x, y, z] = along;
@@ -224,11 +264,18 @@ function sideOf(ctx, { axis: [a, b], along, hull: corners }, { colour, opacity }
   if (slope < 1e-3) return css(lit(colour, sight), opacity);
   const right = [y / slope, -x / slope, 0];
   const front = unit(cross(right, along)[2] < 0 ? cross(right, [x, y, z]) : cross([x, y, z], right));
-  const reach = Math.max(...corners.map(([u, v]) => Math.abs((u - middle[0]) * right[0] + (v - middle[1]) * right[1])), 1);
+  const reach = Math.max(
+    ...corners.map(([u, v]) => Math.abs((u - middle[0]) * right[0] + (v - middle[1]) * right[1])),
+    1,
+  );
   const [dx, dy] = [right[0] * reach, right[1] * reach];
   const gradient = ctx.createLinearGradient(middle[0] - dx, middle[1] - dy, middle[0] + dx, middle[1] + dy);
   for (const stop of STOPS) {
-    const normal = plus(right.map((v) => v * stop), front, Math.sqrt(1 - stop * stop));
+    const normal = plus(
+      right.map((v) => v * stop),
+      front,
+      Math.sqrt(1 - stop * stop),
+    );
     gradient.addColorStop((stop + 1) / 2, css(lit(colour, normal), opacity));
   }
   return gradient;

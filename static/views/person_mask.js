@@ -14,14 +14,19 @@ let timer = 0;
 let last = Promise.resolve();
 let isTold = false;
 
-/** Show it in this image; `changed()` when there is another one. @param {HTMLImageElement} image @param {() => void} changed */
+/**
+ * Show it in this image; `changed()` when there is another one.
+ * @param {HTMLImageElement} image
+ * @param {() => void} changed
+ */
 export function mountPersonMask(image, changed) {
   element = image;
   watch(['u:personMask', 'u:shown', 'u:playing', 'file', 'camera', 'body'], () => follow(changed));
 }
 
 function follow(changed) {
-  const isWanted = ui.personMask && !ui.playing && server.file && server.body?.is_persons && !isSurface() && ui.shown !== undefined;
+  const isWanted =
+    ui.personMask && !ui.playing && server.file && server.body?.is_persons && !isSurface() && ui.shown !== undefined;
   const frame = ui.shown;
   if (!ui.personMask) isTold = false;
   const now = isWanted ? `${server.file.path}|${server.camera?.image_version}|${frame}` : '';

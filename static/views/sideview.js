@@ -114,8 +114,12 @@ export class SideView extends View {
   cameraSign() {
     const { width, height } = this.window;
     if (this.name === 'front') return nothing;
-    const usual = this.name === 'top' ? [this.isInLargePlace ? width / 2 : width - SIGN_PX - 2, height - SIGN_PX] : [SIGN_PX, height / 2];
-    const { at, turn } = server.camera_motion?.counts && this.eye ? this.cameraHere() : { at: usual, turn: this.name === 'top' ? -90 : 0 };
+    const usual =
+      this.name === 'top'
+        ? [this.isInLargePlace ? width / 2 : width - SIGN_PX - 2, height - SIGN_PX]
+        : [SIGN_PX, height / 2];
+    const { at, turn } =
+      server.camera_motion?.counts && this.eye ? this.cameraHere() : { at: usual, turn: this.name === 'top' ? -90 : 0 };
     return svg`<g class="camera" transform="translate(${at.join(' ')}) rotate(${turn})">
       <rect x="-5.5" y="-4" width="8" height="8" rx="1.5" />
       <path d="M2.5-1.5 6.5-4v8L2.500 1.500" /></g>`;
@@ -126,7 +130,9 @@ export class SideView extends View {
     const { width, height } = this.window;
     const [x, y] = this.project([0, 0, 0]);
     const [ahead, down] = this.project([0, 0, 1]);
-    const at = [clamp(x, SIGN_PX, width - SIGN_PX), clamp(y, SIGN_PX, height - SIGN_PX - SCALE_PX)].map((px) => px.toFixed(1));
+    const at = [clamp(x, SIGN_PX, width - SIGN_PX), clamp(y, SIGN_PX, height - SIGN_PX - SCALE_PX)].map((px) =>
+      px.toFixed(1),
+    );
     return { at, turn: ((Math.atan2(down - y, ahead - x) * 180) / Math.PI).toFixed(1) };
   }
 

@@ -41,7 +41,12 @@ export function pace(isLookedAt) {
   const isSoft = drawsBy() === 'software';
   const once = isSoft || late > SLOW_MS;
   const waits = once && !isLookedAt;
-  return { rest: waits ? (isSoft && ui.playing ? PLAYING_REST_MS : REST_MS) : 0, behind: waits ? 2 * late : 0, settled, once };
+  return {
+    rest: waits ? (isSoft && ui.playing ? PLAYING_REST_MS : REST_MS) : 0,
+    behind: waits ? 2 * late : 0,
+    settled,
+    once,
+  };
 }
 
 function begin() {

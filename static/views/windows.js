@@ -23,17 +23,11 @@ export class Window {
   }
 
   toPlane([x, y]) {
-    return [
-      this.x + (x - this.width / 2) / this.scale,
-      this.y + (y - this.height / 2) / this.scale,
-    ];
+    return [this.x + (x - this.width / 2) / this.scale, this.y + (y - this.height / 2) / this.scale];
   }
 
   fromPlane([a, b]) {
-    return [
-      this.width / 2 + (a - this.x) * this.scale,
-      this.height / 2 + (b - this.y) * this.scale,
-    ];
+    return [this.width / 2 + (a - this.x) * this.scale, this.height / 2 + (b - this.y) * this.scale];
   }
 
   /** What lies at this screen point stays there. */

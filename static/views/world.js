@@ -16,9 +16,5 @@ export function moved(p, T) {
 export function movedBack(p, T) {
   if (!T) return p;
   const [x, y, z] = [p[0] - T[3], p[1] - T[7], p[2] - T[11]];
-  return [
-    T[0] * x + T[4] * y + T[8] * z,
-    T[1] * x + T[5] * y + T[9] * z,
-    T[2] * x + T[6] * y + T[10] * z,
-  ];
+  return [T[0] * x + T[4] * y + T[8] * z, T[1] * x + T[5] * y + T[9] * z, T[2] * x + T[6] * y + T[10] * z];
 }

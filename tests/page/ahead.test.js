@@ -7,7 +7,9 @@ import { server } from '../../static/store/state.js';
 import { ACTIONS } from '../../static/actions/table.js';
 import { beyondKeys, isUnderWay, noMotionYet, whyNotAhead } from '../../static/actions/tracking.js';
 
-beforeEach(() => Object.assign(server, { file: { frames: 73 }, job: null, keys: { frames: [24], drafts: [], soft: [] } }));
+beforeEach(() =>
+  Object.assign(server, { file: { frames: 73 }, job: null, keys: { frames: [24], drafts: [], soft: [] } }),
+);
 
 test('one keyframe is enough, in either direction', () => {
   assert.equal(whyNotAhead('forward'), '');

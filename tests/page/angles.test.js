@@ -10,20 +10,37 @@ import { found } from '../../static/actions/search.js';
 import { server, ui } from '../../static/store/state.js';
 
 const SHOWN = {
-  joint: 'knee', angle: 'flexion', label: 'Knee flexion', positive: 'flexion', negative: 'extension', choices: [],
-  sides: [{ side: 'L', part: 'left_shin', values: [null, 10, 62.4, null] }, { side: 'R', part: 'right_shin', values: [null, -3, null, 5] }],
+  joint: 'knee',
+  angle: 'flexion',
+  label: 'Knee flexion',
+  positive: 'flexion',
+  negative: 'extension',
+  choices: [],
+  sides: [
+    { side: 'L', part: 'left_shin', values: [null, 10, 62.4, null] },
+    { side: 'R', part: 'right_shin', values: [null, -3, null, 5] },
+  ],
 };
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { name: 'jump', path: '/jump', frames: 4, fps: 25 }, view: { frame: 2, mode: 'both' }, body: { is_persons: true, parts: [], presets: [] },
-    keys: { frames: [1], drafts: [] }, segments: [], joint_angle: null, notes: [],
+    file: { name: 'jump', path: '/jump', frames: 4, fps: 25 },
+    view: { frame: 2, mode: 'both' },
+    body: { is_persons: true, parts: [], presets: [] },
+    keys: { frames: [1], drafts: [] },
+    segments: [],
+    joint_angle: null,
+    notes: [],
   });
   Object.assign(ui, { search: 'All' });
 });
 
 test('it is found by its name before all else', () => {
-  for (const [query, title] of [['knee angle', 'Knee angle'], ['elbow angle', 'Elbow angle'], ['trunk', 'Trunk angle']]) {
+  for (const [query, title] of [
+    ['knee angle', 'Knee angle'],
+    ['elbow angle', 'Elbow angle'],
+    ['trunk', 'Trunk angle'],
+  ]) {
     const [first] = found(query, 'All');
     assert.equal(first.title, title);
     assert.equal(first.off, '');
@@ -38,15 +55,27 @@ test('what has no motion or is no person has none', () => {
 });
 
 test('its table has what is known, a row a frame', () => {
-  const rows = angleTable(SHOWN, (frame) => frame / 25).trim().split('\r\n');
-  assert.deepEqual(rows, ['frame,time_s,left_knee_flexion_deg,right_knee_flexion_deg', '1,0.0400,10,-3', '2,0.0800,62.4,', '3,0.1200,,5']);
+  const rows = angleTable(SHOWN, (frame) => frame / 25)
+    .trim()
+    .split('\r\n');
+  assert.deepEqual(rows, [
+    'frame,time_s,left_knee_flexion_deg,right_knee_flexion_deg',
+    '1,0.0400,10,-3',
+    '2,0.0800,62.4,',
+    '3,0.1200,,5',
+  ]);
   assert.deepEqual(framesWithAngle(SHOWN), [1, 3]);
 });
 
 test('where depth was lifted its table says how far off each may be', () => {
   const sides = SHOWN.sides.map((side) => ({ ...side, errors: [null, 4.2, 5.1] }));
-  const [head, first, , last] = angleTable({ ...SHOWN, sides }, (frame) => frame / 25).trim().split('\r\n');
-  assert.equal(head, 'frame,time_s,left_knee_flexion_deg,left_knee_flexion_expected_error_deg,right_knee_flexion_deg,right_knee_flexion_expected_error_deg');
+  const [head, first, , last] = angleTable({ ...SHOWN, sides }, (frame) => frame / 25)
+    .trim()
+    .split('\r\n');
+  assert.equal(
+    head,
+    'frame,time_s,left_knee_flexion_deg,left_knee_flexion_expected_error_deg,right_knee_flexion_deg,right_knee_flexion_expected_error_deg',
+  );
   assert.deepEqual([first, last], ['1,0.0400,10,4.2,-3,4.2', '3,0.1200,,,5,']);
 });
 

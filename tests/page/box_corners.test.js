@@ -20,11 +20,21 @@ test('from a corner all but the farthest are seen', () => {
 
 test('parallel rays show the near side alone, however far aside the box is', () => {
   const points = moved([5, 5, 5]);
-  assert.deepEqual(seenCorners(points, points.map(() => [0, 0, 1])), [0, 2, 4, 6]);
+  assert.deepEqual(
+    seenCorners(
+      points,
+      points.map(() => [0, 0, 1]),
+    ),
+    [0, 2, 4, 6],
+  );
 });
 
 test('a press beside a corner means the nearest one, as far as that corner lets it', () => {
-  const corners = [{ key: 'one', at: [0, 0], beside: 24 }, { key: 'other', at: [40, 0], beside: 24 }, { key: 'small', at: [200, 0], beside: 5 }];
+  const corners = [
+    { key: 'one', at: [0, 0], beside: 24 },
+    { key: 'other', at: [40, 0], beside: 24 },
+    { key: 'small', at: [200, 0], beside: 5 },
+  ];
   const meant = (x, y) => cornerBeside(corners, x, y).map(({ key }) => key);
   assert.deepEqual(meant(17, 5), ['one']);
   assert.deepEqual(meant(24, 0), ['other']);

@@ -19,9 +19,7 @@ test('a grip takes its own sides along and leaves the others', () => {
     const after = pulled(BOX, grip, [3, -4]);
     return names.filter((_side, i) => after[i] !== BOX[i]).join(' ');
   });
-  assert.deepEqual(sides, [
-    'left top', 'top', 'top right', 'right', 'right bottom', 'bottom', 'left bottom', 'left',
-  ]);
+  assert.deepEqual(sides, ['left top', 'top', 'top right', 'right', 'right bottom', 'bottom', 'left bottom', 'left']);
 });
 
 test('a grip follows the pointer', () => {

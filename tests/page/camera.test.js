@@ -9,12 +9,26 @@ import { cameraMatch } from '../../static/handles/match.js';
 import { interaction } from '../../static/handles/interaction.js';
 import { server } from '../../static/store/state.js';
 
-const TURNS = { kind: 'turns', counts: true, words: 'The camera turns.', error_px: [0.1, null, 0.2], keys: [2], findings: [], path: null };
+const TURNS = {
+  kind: 'turns',
+  counts: true,
+  words: 'The camera turns.',
+  error_px: [0.1, null, 0.2],
+  keys: [2],
+  findings: [],
+  path: null,
+};
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { frames: 60 }, surface: null, camera: { up_origin: 'drawn', fx: 100, fy: 100, cx: 50, cy: 50 }, camera_here: null, view: { frame: 4 }, job: { state: 'idle' },
-    settings: { static_camera: null, found_still: null }, camera_motion: null,
+    file: { frames: 60 },
+    surface: null,
+    camera: { up_origin: 'drawn', fx: 100, fy: 100, cx: 50, cy: 50 },
+    camera_here: null,
+    view: { frame: 4 },
+    job: { state: 'idle' },
+    settings: { static_camera: null, found_still: null },
+    camera_motion: null,
   });
 });
 
@@ -56,7 +70,12 @@ test('it is said why the camera cannot be found, corrected or left', () => {
 
 test('the guide asks for the camera only where it was found to move', () => {
   const words = () => filmSteps().map(({ word }) => word);
-  for (const [found, said, asks] of [[null, null, false], [true, null, false], [false, null, true], [false, true, false]]) {
+  for (const [found, said, asks] of [
+    [null, null, false],
+    [true, null, false],
+    [false, null, true],
+    [false, true, false],
+  ]) {
     server.settings = { static_camera: said, found_still: found };
     assert.equal(words().includes('Camera'), asks);
     assert.equal(words().at(-1), 'Review');

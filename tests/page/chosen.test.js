@@ -14,9 +14,21 @@ const segment = (first, last) => ({ first, last, state: 'none' });
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { name: 'walk', frames: 100 }, view: { frame: 30, mode: 'both' }, body: { is_persons: true }, job: null, surface: null,
-    keys: { frames: [0, 20, 40, 60], drafts: [] }, segments: [segment(0, 20), segment(20, 40), segment(40, 60)],
-    review: { goal: 5, goals: [5], places: [{ id: '1', frame: 10, px: 9 }, { id: '2', frame: 30, px: 9 }] },
+    file: { name: 'walk', frames: 100 },
+    view: { frame: 30, mode: 'both' },
+    body: { is_persons: true },
+    job: null,
+    surface: null,
+    keys: { frames: [0, 20, 40, 60], drafts: [] },
+    segments: [segment(0, 20), segment(20, 40), segment(40, 60)],
+    review: {
+      goal: 5,
+      goals: [5],
+      places: [
+        { id: '1', frame: 10, px: 9 },
+        { id: '2', frame: 30, px: 9 },
+      ],
+    },
   });
   Object.assign(ui, { span: { first: 20, last: 50 }, box: [1, 2, 30, 90], draftRange: null, filterMotion: false });
 });
@@ -34,7 +46,10 @@ test('frames are drafted', () => {
 });
 
 test('segments are tracked, but for those that only meet it', () => {
-  assert.deepEqual(changedSegments().map(({ first }) => first), [20, 40]);
+  assert.deepEqual(
+    changedSegments().map(({ first }) => first),
+    [20, 40],
+  );
   assert.deepEqual(trackMessage('all'), { do: 'track', what: 'all', first: 20, last: 50 });
   assert.equal(labelOf('trackAll'), 'Track all 2 segments, 20–50');
   assert.equal(labelOf('trackChanged'), 'Track changed segments, 20–50');
@@ -47,7 +62,10 @@ test('segments are tracked, but for those that only meet it', () => {
 });
 
 test('places are reviewed', () => {
-  assert.deepEqual(places().map(({ frame }) => frame), [30]);
+  assert.deepEqual(
+    places().map(({ frame }) => frame),
+    [30],
+  );
   assert.match(titleOf('review'), /within 20–50/);
   noSpan();
   assert.equal(places().length, 2);

@@ -5,7 +5,17 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { changedAt, dueAt, framesAhead, rangeToPlay, shuttled } from '../../static/views/clock.js';
 
-const run = (more = {}) => ({ from: 0, began: 1000, rate: 1, first: 0, last: 59, loops: false, fps: 30, times: null, ...more });
+const run = (more = {}) => ({
+  from: 0,
+  began: 1000,
+  rate: 1,
+  first: 0,
+  last: 59,
+  loops: false,
+  fps: 30,
+  times: null,
+  ...more,
+});
 const frameIn = (one, seconds) => dueAt(one, 1000 + seconds * 1000).frame;
 const NO_SPAN = { first: null, last: null };
 
@@ -18,7 +28,13 @@ test('the frame due follows the clock, whatever was shown before', () => {
 });
 
 test('every speed takes its own time', () => {
-  for (const [rate, frame] of [[0.1, 3], [0.25, 7], [0.5, 15], [1, 30], [2, 59]]) {
+  for (const [rate, frame] of [
+    [0.1, 3],
+    [0.25, 7],
+    [0.5, 15],
+    [1, 30],
+    [2, 59],
+  ]) {
     assert.equal(frameIn(run({ rate }), rate === 2 ? 0.99 : 1), frame, rate);
   }
 });
@@ -31,7 +47,10 @@ test('the last frame is seen as long as any other, and then it is over', () => {
 test('a loop begins anew without losing time', () => {
   const loop = run({ first: 10, last: 19, from: 15, loops: true });
   const seen = Array.from({ length: 30 }, (_, i) => dueAt(loop, 1000 + ((i + 0.5) * 1000) / 30));
-  assert.deepEqual(seen.slice(0, 8).map(({ frame }) => frame), [15, 16, 17, 18, 19, 10, 11, 12]);
+  assert.deepEqual(
+    seen.slice(0, 8).map(({ frame }) => frame),
+    [15, 16, 17, 18, 19, 10, 11, 12],
+  );
   assert.deepEqual([seen[4].lap, seen[5].lap, seen[15].lap, seen[25].lap], [0, 1, 2, 3]);
   assert.equal(dueAt(loop, 1000 + 3600_000).over, false);
 });
@@ -55,8 +74,14 @@ test('backward it goes as fast, and ends at the first', () => {
 test('frames of a varying rate stay as long as they were filmed', () => {
   const times = [5, 5.1, 5.2, 6.2, 6.3];
   const some = run({ times, last: 4, fps: 10 });
-  assert.deepEqual([0, 0.1, 0.25, 1.1, 1.2, 1.35].map((s) => frameIn(some, s)), [0, 1, 2, 2, 3, 4]);
-  assert.deepEqual([0.05, 0.15, 0.9, 1.15].map((s) => frameIn({ ...some, from: 3, rate: -1 }, s)), [3, 2, 2, 1]);
+  assert.deepEqual(
+    [0, 0.1, 0.25, 1.1, 1.2, 1.35].map((s) => frameIn(some, s)),
+    [0, 1, 2, 2, 3, 4],
+  );
+  assert.deepEqual(
+    [0.05, 0.15, 0.9, 1.15].map((s) => frameIn({ ...some, from: 3, rate: -1 }, s)),
+    [3, 2, 2, 1],
+  );
 });
 
 test('another speed goes on from the frame that was due', () => {
@@ -90,7 +115,11 @@ test('an in and an out point go before keyframes, and one from outside begins at
   assert.deepEqual(rangeToPlay({ ...here, at: 30 }), { first: 20, last: 30, from: 20 });
   assert.deepEqual(rangeToPlay({ ...here, at: 5 }), { first: 20, last: 30, from: 20 });
   assert.deepEqual(rangeToPlay({ ...here, at: 5, way: -1 }), { first: 20, last: 30, from: 30 });
-  assert.deepEqual(rangeToPlay({ ...here, span: { first: 20, last: null }, at: 90 }), { first: 20, last: 100, from: 90 });
+  assert.deepEqual(rangeToPlay({ ...here, span: { first: 20, last: null }, at: 90 }), {
+    first: 20,
+    last: 100,
+    from: 90,
+  });
 });
 
 test('backward it plays to the first keyframe, and from there anew from the last', () => {
@@ -101,6 +130,12 @@ test('backward it plays to the first keyframe, and from there anew from the last
 });
 
 test('L goes faster, J slower and then backward', () => {
-  assert.deepEqual([1, 2, 4, -1].map((rate) => shuttled(rate, 1)), [2, 4, 4, 1]);
-  assert.deepEqual([4, 1, -1, -4].map((rate) => shuttled(rate, -1)), [2, -1, -2, -4]);
+  assert.deepEqual(
+    [1, 2, 4, -1].map((rate) => shuttled(rate, 1)),
+    [2, 4, 4, 1],
+  );
+  assert.deepEqual(
+    [4, 1, -1, -4].map((rate) => shuttled(rate, -1)),
+    [2, -1, -2, -4],
+  );
 });

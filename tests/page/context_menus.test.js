@@ -10,13 +10,26 @@ import { server } from '../../static/store/state.js';
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { frames: 60 }, view: { frame: 4, selected: null, mode: 'both' }, keys: { frames: [0, 8], drafts: [] },
-    body: { parts: [{ name: 'left_hand', label: 'Left hand', parent: null, mirror: 'right_hand' }, { name: 'head', label: 'Head', mirror: null }], handles: [] },
-    clipboard: false, notes: [{ frame: 8, text: 'here' }], segments: [], undo: { undo: null, redo: null }, pins: [],
+    file: { frames: 60 },
+    view: { frame: 4, selected: null, mode: 'both' },
+    keys: { frames: [0, 8], drafts: [] },
+    body: {
+      parts: [
+        { name: 'left_hand', label: 'Left hand', parent: null, mirror: 'right_hand' },
+        { name: 'head', label: 'Head', mirror: null },
+      ],
+      handles: [],
+    },
+    clipboard: false,
+    notes: [{ frame: 8, text: 'here' }],
+    segments: [],
+    undo: { undo: null, redo: null },
+    pins: [],
   });
 });
 
-const labelled = (entries) => Object.fromEntries(entries.filter(({ label }) => label).map((entry) => [entry.label, entry]));
+const labelled = (entries) =>
+  Object.fromEntries(entries.filter(({ label }) => label).map((entry) => [entry.label, entry]));
 
 test('menus name actions of the table, and none twice', () => {
   for (const [name, { groups }] of Object.entries(CONTEXTS)) {
@@ -41,7 +54,10 @@ test('a keyframe is added or deleted, whichever fits the frame', () => {
 
 test('the menu of a part is about that part, whatever is selected', () => {
   const [hand, head] = server.body.parts;
-  assert.equal(labelled(contextEntries('part', { otherSide: head, resetPart: head }))['Other side of the body'].off, 'Head has no other side');
+  assert.equal(
+    labelled(contextEntries('part', { otherSide: head, resetPart: head }))['Other side of the body'].off,
+    'Head has no other side',
+  );
   const menu = labelled(contextEntries('part', { otherSide: hand, resetPart: hand }));
   assert.deepEqual([menu['Other side of the body'].off, menu['Reset part'].off], ['', '']);
 });

@@ -10,7 +10,12 @@ const pose = { keypose: 'pose', version: 1, keys: [{ after: 0, root_m: [0, 0, 3]
 const keys = { keypose: 'keyframes', version: 1, keys: [{ after: 0 }, { after: 12 }] };
 
 beforeEach(() => {
-  Object.assign(server, { file: { frames: 73 }, view: { frame: 12 }, keys: { frames: [0, 24], drafts: [] }, clipboard: false });
+  Object.assign(server, {
+    file: { frames: 73 },
+    view: { frame: 12 },
+    keys: { frames: [0, 24], drafts: [] },
+    clipboard: false,
+  });
   Object.assign(ui, { toasts: [], timeKeys: [], copiedHere: false });
 });
 
@@ -18,7 +23,16 @@ const said = () => ui.toasts.map(({ words }) => words);
 
 test('a text that holds poses is known, all others are not', () => {
   assert.deepEqual(copiedIn(JSON.stringify(pose)), pose);
-  for (const text of ['', null, 'hello', '{"keypose"', '{"keypose": "poem", "keys": [1]}', '{"keypose": "pose"}', '"keypose"', `"keypose"${' '.repeat(2e6)}`]) {
+  for (const text of [
+    '',
+    null,
+    'hello',
+    '{"keypose"',
+    '{"keypose": "poem", "keys": [1]}',
+    '{"keypose": "pose"}',
+    '"keypose"',
+    `"keypose"${' '.repeat(2e6)}`,
+  ]) {
     assert.equal(copiedIn(text), null, String(text).slice(0, 30));
   }
 });
@@ -56,10 +70,22 @@ test('a browser that is late to tell what is on its clipboard does not paste twi
   };
   mock.timers.enable({ apis: ['setTimeout'] });
   awaitPaste(false);
-  assert.equal(pastes(() => mock.timers.tick(60_000)), 1);
-  assert.equal(pastes(() => onPaste('a poem')), 0);
+  assert.equal(
+    pastes(() => mock.timers.tick(60_000)),
+    1,
+  );
+  assert.equal(
+    pastes(() => onPaste('a poem')),
+    0,
+  );
   awaitPaste(false);
-  assert.equal(pastes(() => onPaste('a poem')), 1);
-  assert.equal(pastes(() => mock.timers.tick(60_000)), 0);
+  assert.equal(
+    pastes(() => onPaste('a poem')),
+    1,
+  );
+  assert.equal(
+    pastes(() => mock.timers.tick(60_000)),
+    0,
+  );
   mock.timers.reset();
 });

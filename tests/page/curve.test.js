@@ -12,7 +12,12 @@ const ROW = { y: 0, h: 112 };
 
 beforeEach(() => {
   server.file = { frames: 11 };
-  server.body = { parts: [{ name: 'shin', tracked: ['tx', 'rz'] }, { name: 'foot', tracked: [] }] };
+  server.body = {
+    parts: [
+      { name: 'shin', tracked: ['tx', 'rz'] },
+      { name: 'foot', tracked: [] },
+    ],
+  };
   server.curve = {
     part: 'shin',
     x: Array(11).fill(null),

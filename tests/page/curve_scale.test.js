@@ -27,11 +27,20 @@ test('the highest value is at the top, and a value and its pixel lead to each ot
 });
 
 test('the ticks are round, lie within the range and leave room for their numbers', () => {
-  const cases = [[-50, 50], [-3, 17], [0, 700], [-181, 12], [10.2, 31.1]];
+  const cases = [
+    [-50, 50],
+    [-3, 17],
+    [0, 700],
+    [-181, 12],
+    [10.2, 31.1],
+  ];
   for (const [low, high] of cases) {
     const { ticks, y } = scaleOf({ low, high }, ROW);
     assert.ok(ticks.length >= 1 && ticks.length <= 7, `${ticks}`);
-    assert.ok(ticks.every((tick) => tick >= low && tick <= high), `${ticks}`);
+    assert.ok(
+      ticks.every((tick) => tick >= low && tick <= high),
+      `${ticks}`,
+    );
     const step = ticks[1] - ticks[0];
     assert.ok(ticks.length < 2 || [1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180, 360].includes(step));
     assert.ok(ticks.length < 2 || y(ticks[0]) - y(ticks[1]) >= 15);

@@ -5,7 +5,19 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import {
-  boxFrameFor, draftedWords, draftMessage, draftTimeWords, restCount, draftRange, nobodyWords, personWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
+  boxFrameFor,
+  draftedWords,
+  draftMessage,
+  draftTimeWords,
+  restCount,
+  draftRange,
+  nobodyWords,
+  personWords,
+  placesWords,
+  reasonOf,
+  setDraftRange,
+  smallWords,
+  whyNotDraft,
 } from '../../static/actions/drafting.js';
 import { suggestedFrame } from '../../static/actions/playhead.js';
 import { labelOf, whyNot } from '../../static/actions/actions.js';
@@ -13,7 +25,13 @@ import { draftStretches } from '../../static/timeline/marks/drafts.js';
 
 test('drafts without a gap are one stretch, one or two stand alone', () => {
   const found = draftStretches([1, 2, 3, 4, 9, 20, 21, 30, 31, 32], []);
-  assert.deepEqual(found, { stretches: [[1, 4], [30, 32]], alone: [9, 20, 21] });
+  assert.deepEqual(found, {
+    stretches: [
+      [1, 4],
+      [30, 32],
+    ],
+    alone: [9, 20, 21],
+  });
 });
 
 test('between keyframes the segment is shown, not the drafts', () => {
@@ -22,13 +40,35 @@ test('between keyframes the segment is shown, not the drafts', () => {
 });
 
 test('a draft says which frames it found, and where nobody was', () => {
-  const found = (last, many, missing) => ({ latest: true, first: 0, last, drafted: many, behind: 0, missing, proposals: [] });
+  const found = (last, many, missing) => ({
+    latest: true,
+    first: 0,
+    last,
+    drafted: many,
+    behind: 0,
+    missing,
+    proposals: [],
+  });
   assert.equal(draftedWords(found(179, 180, [])), 'Drafted 180 frames.');
   assert.equal(draftedWords(found(179, 149, [[0, 30]])), 'Drafted 31–179.');
   assert.equal(draftedWords(found(179, 170, [[170, 179]])), 'Drafted 0–169.');
-  assert.equal(draftedWords(found(9, 7, [[3, 4], [6, 6]])), 'Drafted 7 of 10 frames.');
-  assert.equal(draftedWords({ ...found(179, 180, []), behind: 24 }), 'Drafted 180 frames. The tracked motion is shown at 24 of them.');
-  assert.equal(draftedWords({ ...found(8, 9, []), behind: 9 }), 'Drafted 9 frames. The tracked motion is shown at all of them.');
+  assert.equal(
+    draftedWords(
+      found(9, 7, [
+        [3, 4],
+        [6, 6],
+      ]),
+    ),
+    'Drafted 7 of 10 frames.',
+  );
+  assert.equal(
+    draftedWords({ ...found(179, 180, []), behind: 24 }),
+    'Drafted 180 frames. The tracked motion is shown at 24 of them.',
+  );
+  assert.equal(
+    draftedWords({ ...found(8, 9, []), behind: 9 }),
+    'Drafted 9 frames. The tracked motion is shown at all of them.',
+  );
   const reported = (...missing) => {
     server.draft = found(179, 100, missing);
     return nobodyWords();
@@ -37,14 +77,25 @@ test('a draft says which frames it found, and where nobody was', () => {
   assert.equal(reported([0, 30]), 'No person found in frames 0–30.');
   assert.equal(reported([61, 61]), 'No person found in frame 61.');
   assert.equal(reported([0, 30], [96, 96]), 'No person found in frames 0–30 and 96.');
-  assert.equal(reported([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in frames 0–1, 5–6, 8–9 and 2 more places.');
+  assert.equal(
+    reported([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]),
+    'No person found in frames 0–1, 5–6, 8–9 and 2 more places.',
+  );
   assert.equal(reported([0, 1], [3, 9], [170, 179]), 'No person found in frames 0–1, 3–9 and 170–179.');
-  assert.equal(reported([0, 1], [3, 3], [6, 9], [12, 14], [20, 29]), 'No person found in frames 6–9, 12–14, 20–29 and 2 more places.');
+  assert.equal(
+    reported([0, 1], [3, 3], [6, 9], [12, 14], [20, 29]),
+    'No person found in frames 6–9, 12–14, 20–29 and 2 more places.',
+  );
 });
 
 test('a draft says where the person may change', () => {
   const reported = (...frames) => {
-    server.draft = { proposals: [{ frame: 3, reason: 'start', parts: [] }, ...frames.map((frame) => ({ frame, reason: 'person', parts: [] }))] };
+    server.draft = {
+      proposals: [
+        { frame: 3, reason: 'start', parts: [] },
+        ...frames.map((frame) => ({ frame, reason: 'person', parts: [] })),
+      ],
+    };
     return personWords();
   };
   assert.equal(reported(), '');
@@ -108,7 +159,10 @@ test('the box is sent to a tenth of a pixel with the frame it lies on', () => {
 });
 
 test('how long it will take is said where it takes long and is known', () => {
-  server.networks = [{ id: 'a', chosen: false, frame_s: 9 }, { id: 'b', chosen: true, frame_s: 0.16 }];
+  server.networks = [
+    { id: 'a', chosen: false, frame_s: 9 },
+    { id: 'b', chosen: true, frame_s: 0.16 },
+  ];
   assert.equal(draftTimeWords(1500), 'Takes about 4 minutes. Cancel keeps what is found by then.');
   assert.match(draftTimeWords(250), /about 40 seconds/);
   assert.match(draftTimeWords(36000), /about 1.6 hours/);
@@ -118,7 +172,16 @@ test('how long it will take is said where it takes long and is known', () => {
 });
 
 test('frames that a draft was cancelled before are left to draft, and no gap', () => {
-  const draft = { latest: true, first: 0, last: 1499, drafted: 300, behind: 0, missing: [], rest: [[300, 1499]], proposals: [] };
+  const draft = {
+    latest: true,
+    first: 0,
+    last: 1499,
+    drafted: 300,
+    behind: 0,
+    missing: [],
+    rest: [[300, 1499]],
+    proposals: [],
+  };
   assert.equal(draftedWords(draft), 'Drafted 300 frames, 1200 are left.');
   Object.assign(server, { draft, job: null, body: { is_persons: true } });
   assert.equal(restCount(), 1200);

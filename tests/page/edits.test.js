@@ -23,7 +23,13 @@ async function page(value) {
 }
 
 const ENTRY = {
-  client: 'ab'.repeat(12), n: 3, message: { do: 'key' }, file: null, look: {}, server: 's', revision: 'r',
+  client: 'ab'.repeat(12),
+  n: 3,
+  message: { do: 'key' },
+  file: null,
+  look: {},
+  server: 's',
+  revision: 'r',
 };
 const sent = (edits) => edits.due(1).map((message) => message.do);
 
@@ -35,9 +41,22 @@ test('what a page has not sent, the next page of its tab sends', async () => {
 
 test('what is of another shape is left out, and everything else goes on', async () => {
   const wrong = [
-    null, 7, 'text', [], {}, { ...ENTRY, message: null }, { ...ENTRY, message: { do: 7 } }, { ...ENTRY, client: 7 },
-    { ...ENTRY, n: 0 }, { ...ENTRY, n: '3' }, { ...ENTRY, file: {} }, { ...ENTRY, file: 'path' }, { ...ENTRY, look: null },
-    { ...ENTRY, over: 'later' }, { ...ENTRY, server: 7 }, { ...ENTRY, revision: {} },
+    null,
+    7,
+    'text',
+    [],
+    {},
+    { ...ENTRY, message: null },
+    { ...ENTRY, message: { do: 7 } },
+    { ...ENTRY, client: 7 },
+    { ...ENTRY, n: 0 },
+    { ...ENTRY, n: '3' },
+    { ...ENTRY, file: {} },
+    { ...ENTRY, file: 'path' },
+    { ...ENTRY, look: null },
+    { ...ENTRY, over: 'later' },
+    { ...ENTRY, server: 7 },
+    { ...ENTRY, revision: {} },
   ];
   const edits = await page({ version: 1, entries: [...wrong, ENTRY] });
   edits.keep({ do: 'unkey' });
@@ -58,7 +77,10 @@ test('an edit is past once the document stands as a later one of this page has l
   const [{ client }] = JSON.parse(kept.get(NAME)).entries;
   const { server } = await import('../../static/store/state.js');
   for (const [revision, isNewest, isPast] of [
-    [`${client}:${n}`, true, false], [`${client}:${n + 1}`, false, true], [`another:${n + 1}`, false, false], ['', false, false],
+    [`${client}:${n}`, true, false],
+    [`${client}:${n + 1}`, false, true],
+    [`another:${n + 1}`, false, false],
+    ['', false, false],
   ]) {
     server.revision = revision;
     assert.deepEqual([edits.isNewest(n), edits.isPast(n)], [isNewest, isPast], revision);

@@ -4,9 +4,7 @@ import js from '@eslint/js';
 import globals from 'globals';
 
 /** The rooms of the page: each imports only those before it. */
-const ROOMS = [
-  'store', 'controls', 'views', 'actions', 'handles', 'timeline', 'inspector', 'guide', 'start', 'shell',
-];
+const ROOMS = ['store', 'controls', 'views', 'actions', 'handles', 'timeline', 'inspector', 'guide', 'start', 'shell'];
 
 const above = ROOMS.slice(0, -1).map((room, i) => ({
   files: [`static/${room}/**/*.js`],

@@ -5,11 +5,15 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { beginExport, cancelExport, exportOrder, motionAddress, notInstalled, usualExport, whyNoMatte, whyNotExport } = await import('../../static/actions/exporting.js');
+const { beginExport, cancelExport, exportOrder, motionAddress, notInstalled, usualExport, whyNoMatte, whyNotExport } =
+  await import('../../static/actions/exporting.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
 Object.assign(server, {
-  file: { name: 'walk', frames: 41, width: 640, height: 360 }, keys: { frames: [0, 24, 40], drafts: [] }, body: { is_persons: true }, surface: null,
+  file: { name: 'walk', frames: 41, width: 640, height: 360 },
+  keys: { frames: [0, 24, 40], drafts: [] },
+  body: { is_persons: true },
+  surface: null,
   view: { mode: 'both', opacity: 0.5, tint: 'clay', frame: 7 },
 });
 
@@ -30,12 +34,18 @@ test('a film has the frames, the size and the rate that were chosen', () => {
 test('a film or images are first of the view in the large place', () => {
   for (const layout of ['free', 'side', 'main']) {
     setUi('layout', layout);
-    assert.deepEqual(['film', 'pictures'].map((what) => usualExport().values[what].view), [layout, layout]);
+    assert.deepEqual(
+      ['film', 'pictures'].map((what) => usualExport().values[what].view),
+      [layout, layout],
+    );
   }
 });
 
 test('the free view is a camera that stands where it looks from', () => {
-  assert.match(exportOrder(chosen('film', { view: 'free' }), { azimuth: 30, elevation: 10 }).view, /^camera:30.00,10.00$/);
+  assert.match(
+    exportOrder(chosen('film', { view: 'free' }), { azimuth: 30, elevation: 10 }).view,
+    /^camera:30.00,10.00$/,
+  );
 });
 
 test('images are of this frame, of the keyframes, or of every frame', () => {
@@ -67,9 +77,22 @@ test('a matte needs a person in a video, and a pose to start from', () => {
 });
 
 test('motion is asked for with what was chosen of it and what its format heeds', () => {
-  const asked = (changed, format) => Object.fromEntries(new URLSearchParams(motionAddress(chosen('motion', changed, format)).split('?')[1]));
-  assert.deepEqual(asked({ filter_hz: '6', fps: '30', from_zero: 'true' }, 'csv'), { format: 'csv', origin: 'body', frames: '0-40', fps: '30', from_zero: 'true', filter_hz: '6' });
-  assert.deepEqual(asked({ rig: 'ue5', unit: 'cm' }, 'glb'), { format: 'glb', rig: 'ue5', origin: 'body', frames: '0-40' });
+  const asked = (changed, format) =>
+    Object.fromEntries(new URLSearchParams(motionAddress(chosen('motion', changed, format)).split('?')[1]));
+  assert.deepEqual(asked({ filter_hz: '6', fps: '30', from_zero: 'true' }, 'csv'), {
+    format: 'csv',
+    origin: 'body',
+    frames: '0-40',
+    fps: '30',
+    from_zero: 'true',
+    filter_hz: '6',
+  });
+  assert.deepEqual(asked({ rig: 'ue5', unit: 'cm' }, 'glb'), {
+    format: 'glb',
+    rig: 'ue5',
+    origin: 'body',
+    frames: '0-40',
+  });
   assert.equal(asked({ unit: 'cm' }, 'bvh').unit, 'cm');
   assert.equal(asked({ origin: 'camera' }, 'chan').origin, 'camera');
 });
@@ -95,8 +118,12 @@ test('what cannot be exported is said before it is tried', () => {
 function heldBack() {
   /** @type {[string, string, (value: unknown) => void][]} */
   const asked = [];
-  globalThis.fetch = /** @type {any} */ ((path, { method = 'GET' } = {}) =>
-    new Promise((answer) => asked.push([path, method, (value) => answer({ ok: true, status: 200, json: async () => value })])));
+  globalThis.fetch = /** @type {any} */ (
+    (path, { method = 'GET' } = {}) =>
+      new Promise((answer) =>
+        asked.push([path, method, (value) => answer({ ok: true, status: 200, json: async () => value })]),
+      )
+  );
   return asked;
 }
 
@@ -114,6 +141,12 @@ test('an export that is cancelled before the server knows it stays cancelled, an
   first({ id: 'first' });
   await settled();
   assert.equal(ui.exportJob?.id, 'second');
-  assert.deepEqual(asked.slice(2).map(([path, method]) => [path, method]), [['/exports/second', 'GET'], ['/exports/first', 'DELETE']]);
+  assert.deepEqual(
+    asked.slice(2).map(([path, method]) => [path, method]),
+    [
+      ['/exports/second', 'GET'],
+      ['/exports/first', 'DELETE'],
+    ],
+  );
   setUi('exportJob', null); // or it would be looked after for ever
 });

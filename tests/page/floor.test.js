@@ -4,7 +4,11 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { CELL_M, dropped, gridPaths, hull, onto, outlineOf, placed } from '../../static/views/floor.js';
 
-const LEVEL = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+const LEVEL = [
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
 const project = ([x, y, z]) => [(500 * x) / z, (500 * y) / z, z];
 
 test('the grid lies on the floor, fades outward, and every fourth line is strong', () => {
@@ -31,17 +35,36 @@ test('a convex solid is seen as the hull of its corners, or not at all', () => {
   const T = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5];
   assert.equal(outlineOf(placed(cube, T), project).length, 4);
   assert.deepEqual(outlineOf(cube, project), []);
-  assert.equal(hull([[0, 0], [2, 0], [2, 2], [0, 2], [1, 1]]).length, 4);
+  assert.equal(
+    hull([
+      [0, 0],
+      [2, 0],
+      [2, 2],
+      [0, 2],
+      [1, 1],
+    ]).length,
+    4,
+  );
 });
 
 test('a picture is laid onto four corners', () => {
-  const corners = [[10, 20], [110, 30], [100, 140], [5, 120]];
+  const corners = [
+    [10, 20],
+    [110, 30],
+    [100, 140],
+    [5, 120],
+  ];
   const m = onto(corners, 64, 48).slice('matrix3d('.length, -1).split(',').map(Number);
   const at = (x, y) => {
     const w = m[3] * x + m[7] * y + m[15];
     return [(m[0] * x + m[4] * y + m[12]) / w, (m[1] * x + m[5] * y + m[13]) / w];
   };
-  [[0, 0], [64, 0], [64, 48], [0, 48]].forEach(([x, y], i) => {
+  [
+    [0, 0],
+    [64, 0],
+    [64, 48],
+    [0, 48],
+  ].forEach(([x, y], i) => {
     at(x, y).forEach((value, k) => assert.ok(Math.abs(value - corners[i][k]) < 0.01, `${at(x, y)} ≠ ${corners[i]}`));
   });
 });

@@ -82,7 +82,10 @@ test('told once in so many milliseconds, the first happens at once and the newes
   assert.deepEqual(calls, [[1000, 1]]);
   now = 1016;
   t.mock.timers.tick(16);
-  assert.deepEqual(calls, [[1000, 1], [1016, 3]]);
+  assert.deepEqual(calls, [
+    [1000, 1],
+    [1016, 3],
+  ]);
   now = 1040;
   call(4);
   assert.deepEqual(calls.at(-1), [1040, 4]);

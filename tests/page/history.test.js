@@ -10,11 +10,31 @@ const DAY = 86400;
 const step = (label, made) => ({ label, frame: 0, made });
 
 test('steps stand under the day they were made on, the newest first', () => {
-  const history = { done: 3, total: 4, first: 0, steps: [step('add keyframe 0', null), step('turn head', NOON - DAY), step('pin left foot', NOON - 60), step('unpin', NOON)] };
+  const history = {
+    done: 3,
+    total: 4,
+    first: 0,
+    steps: [
+      step('add keyframe 0', null),
+      step('turn head', NOON - DAY),
+      step('pin left foot', NOON - 60),
+      step('unpin', NOON),
+    ],
+  };
   const rows = historyRows(history, NOON);
-  assert.deepEqual(rows.map((row) => row.heading ?? `${row.done} ${row.label} ${row.state}`), [
-    'Today', '4 Unpin undone', '3 Pin left foot here', 'Yesterday', '2 Turn head done', 'Earlier', '1 Add keyframe 0 done', '0 Beginning done',
-  ]);
+  assert.deepEqual(
+    rows.map((row) => row.heading ?? `${row.done} ${row.label} ${row.state}`),
+    [
+      'Today',
+      '4 Unpin undone',
+      '3 Pin left foot here',
+      'Yesterday',
+      '2 Turn head done',
+      'Earlier',
+      '1 Add keyframe 0 done',
+      '0 Beginning done',
+    ],
+  );
   assert.equal(rows[1].time, '12:00');
 });
 
@@ -24,7 +44,9 @@ test('a part of a long history has no beginning, and counts from where it stands
 });
 
 test('where nothing was done one stands at the beginning', () => {
-  assert.deepEqual(historyRows({ done: 0, total: 0, first: 0, steps: [] }, NOON), [{ label: 'Beginning', time: '', done: 0, state: 'here' }]);
+  assert.deepEqual(historyRows({ done: 0, total: 0, first: 0, steps: [] }, NOON), [
+    { label: 'Beginning', time: '', done: 0, state: 'here' },
+  ]);
   assert.deepEqual(historyRows(null), []);
 });
 

@@ -5,11 +5,20 @@ import test from 'node:test';
 
 import './browser.js';
 
-const { beginImport, importFile, importOrder, isImported, leaveImport, openPoseFile, placesOfBody, whyNotBegin } = await import('../../static/actions/importing.js');
+const { beginImport, importFile, importOrder, isImported, leaveImport, openPoseFile, placesOfBody, whyNotBegin } =
+  await import('../../static/actions/importing.js');
 const { server, setUi, ui } = await import('../../static/store/state.js');
 
-const MOTION = /** @type {any} */ ({ kind: 'motion', program: 'BVH', facts: { individuals: [], left_out: ['Hips', 'Tail_1'] } });
-const KEYPOINTS = /** @type {any} */ ({ kind: 'keypoints', program: 'SLEAP', facts: { individuals: [], layouts: [], left_out: [], every: 24 } });
+const MOTION = /** @type {any} */ ({
+  kind: 'motion',
+  program: 'BVH',
+  facts: { individuals: [], left_out: ['Hips', 'Tail_1'] },
+});
+const KEYPOINTS = /** @type {any} */ ({
+  kind: 'keypoints',
+  program: 'SLEAP',
+  facts: { individuals: [], layouts: [], left_out: [], every: 24 },
+});
 
 test('what is left to the file is not said', () => {
   assert.deepEqual(importOrder(MOTION, { places: {} }), { kind: 'motion', places: [] });
@@ -35,7 +44,12 @@ test('a name that is not known can be a joint, a free end or a landmark', () => 
     { name: 'tail', label: 'Tail', parent: 'trunk', landmarks: ['tail_mark'] },
   ]);
   const found = placesOfBody(parts).map(({ id, label }) => [id, label]);
-  assert.deepEqual(found, [['trunk', 'Trunk'], ['tail', 'Tail'], ['tail.end', 'Tail, end'], ['tail.tail_mark', 'Tail mark']]);
+  assert.deepEqual(found, [
+    ['trunk', 'Trunk'],
+    ['tail', 'Tail'],
+    ['tail.end', 'Tail, end'],
+    ['tail.tail_mark', 'Tail mark'],
+  ]);
 });
 
 test('what cannot be ordered is said in a sentence', () => {
@@ -72,8 +86,12 @@ test('an ending tells what may be imported, whatever its case', () => {
 test('a file brought again under its name is the one that is shown, however late the first is answered', async () => {
   /** @type {[string, string, (value: unknown) => void][]} */
   const asked = [];
-  globalThis.fetch = /** @type {any} */ ((path, { method = 'GET' } = {}) =>
-    new Promise((answer) => asked.push([path, method, (value) => answer({ ok: true, status: 200, json: async () => value })])));
+  globalThis.fetch = /** @type {any} */ (
+    (path, { method = 'GET' } = {}) =>
+      new Promise((answer) =>
+        asked.push([path, method, (value) => answer({ ok: true, status: 200, json: async () => value })]),
+      )
+  );
   const settled = () => new Promise((done) => setTimeout(done));
   void importFile(new File(['wrong'], 'walk.bvh'));
   leaveImport();
@@ -81,7 +99,10 @@ test('a file brought again under its name is the one that is shown, however late
   const [[, , first], [, , second]] = asked;
   first({ id: 'first' });
   await settled();
-  assert.deepEqual(asked.slice(2).map(([path, method]) => [path, method]), [['/imports/first', 'DELETE']]);
+  assert.deepEqual(
+    asked.slice(2).map(([path, method]) => [path, method]),
+    [['/imports/first', 'DELETE']],
+  );
   second({ id: 'second' });
   await settled();
   assert.equal(ui.importing?.id, 'second');
@@ -89,13 +110,18 @@ test('a file brought again under its name is the one that is shown, however late
 });
 
 test('a motion of which nothing is keyed is offered to be reduced to keyframes, which show it', async () => {
-  globalThis.fetch = /** @type {any} */ (async (path, { method = 'GET' } = {}) => {
-    const state = method === 'GET' ? { state: 'done', stage: 'importing', words: `${path} imported.` } : {};
-    return { ok: true, status: 200, json: async () => state };
-  });
+  globalThis.fetch = /** @type {any} */ (
+    async (path, { method = 'GET' } = {}) => {
+      const state = method === 'GET' ? { state: 'done', stage: 'importing', words: `${path} imported.` } : {};
+      return { ok: true, status: 200, json: async () => state };
+    }
+  );
   const offered = async (id, kind, frames) => {
     server.keys = /** @type {any} */ ({ frames, drafts: [] });
-    setUi('importing', /** @type {any} */ ({ stage: 'choosing', id, name: 'a', found: { ...MOTION, kind }, choices: {}, words: '' }));
+    setUi(
+      'importing',
+      /** @type {any} */ ({ stage: 'choosing', id, name: 'a', found: { ...MOTION, kind }, choices: {}, words: '' }),
+    );
     await beginImport();
     return ui.toasts.find(({ words }) => words === `/imports/${id} imported.`).button?.label;
   };

@@ -47,7 +47,10 @@ test('every stretch of every range holds what it promises', () => {
         const there = ranges.stretched(frames, end, to, 60);
         const fixed = end === 'last' ? 0 : n - 1;
         assert.equal(there[fixed], frames[fixed]);
-        assert.ok(there.every((at, i) => Number.isInteger(at) && at >= 0 && at <= 60 && (i === 0 || at > there[i - 1])), `${there}`);
+        assert.ok(
+          there.every((at, i) => Number.isInteger(at) && at >= 0 && at <= 60 && (i === 0 || at > there[i - 1])),
+          `${there}`,
+        );
       }
     }
   }

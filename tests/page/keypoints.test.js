@@ -5,10 +5,26 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import {
-  arcOf, fewOf, keypointActions, keypointsHere, percentOf, ringsAreShown, unsure, worstOf,
+  arcOf,
+  fewOf,
+  keypointActions,
+  keypointsHere,
+  percentOf,
+  ringsAreShown,
+  unsure,
+  worstOf,
 } from '../../static/actions/keypoints.js';
 
-const NAMES = ['left_shoulder', 'left_elbow', 'left_wrist', 'right_wrist', 'left_hip', 'left_ankle', 'right_ankle', 'nose'];
+const NAMES = [
+  'left_shoulder',
+  'left_elbow',
+  'left_wrist',
+  'right_wrist',
+  'left_hip',
+  'left_ankle',
+  'right_ankle',
+  'nose',
+];
 const points = (sure = {}) =>
   NAMES.map((joint) => ({ joint, label: joint, at: [1, 2], sure: sure[joint] ?? 0.9, state: 'found' }));
 

@@ -13,22 +13,54 @@ const WIDTH = scale.left() + 1000 + 26;
 
 /** What the drawing stands on: 400 px high, with two lanes and rows of pins and the camera. */
 function stage() {
-  const lanes = [{ label: 'Arm', parts: ['hand'] }, { label: 'Leg', parts: ['foot'] }];
+  const lanes = [
+    { label: 'Arm', parts: ['hand'] },
+    { label: 'Leg', parts: ['foot'] },
+  ];
   const zoomed = ui.timeWindow !== null;
-  return { rows: scale.rowsFor({ height: 400, zoomed, lanes: 2, weakest: false, pins: true, camera: true }), lanes, scroll: 0, empty: false };
+  return {
+    rows: scale.rowsFor({ height: 400, zoomed, lanes: 2, weakest: false, pins: true, camera: true }),
+    lanes,
+    scroll: 0,
+    empty: false,
+  };
 }
 
 beforeEach(() => {
-  const [pin, proposed] = [{ part: 'foot', label: 'Foot', side: 'L', landmarks: [], first: 10, last: 30, problem: '', keyframe: null },
-    { part: 'foot', label: 'Foot', side: 'L', landmarks: [], first: 60, last: 80, problem: '' }];
+  const [pin, proposed] = [
+    { part: 'foot', label: 'Foot', side: 'L', landmarks: [], first: 10, last: 30, problem: '', keyframe: null },
+    { part: 'foot', label: 'Foot', side: 'L', landmarks: [], first: 60, last: 80, problem: '' },
+  ];
   Object.assign(server, {
-    file: { frames: 101, path: '/a' }, view: { frame: 0 }, body: { parts: [{ name: 'shin', tracked: ['rx'], words: {} }] },
-    keys: { frames: [20, 40, 60], drafts: [], soft: [], parts: [{ frame: 50, limbs: [] }, { frame: 70, limbs: [] }] },
-    notes: [{ frame: 20, text: 'one' }], pins: [pin], proposed_pins: [proposed],
-    draft: { proposals: [{ frame: 70 }, { frame: 85 }] }, segments: [{ first: 20, last: 40, state: 'good' }],
+    file: { frames: 101, path: '/a' },
+    view: { frame: 0 },
+    body: { parts: [{ name: 'shin', tracked: ['rx'], words: {} }] },
+    keys: {
+      frames: [20, 40, 60],
+      drafts: [],
+      soft: [],
+      parts: [
+        { frame: 50, limbs: [] },
+        { frame: 70, limbs: [] },
+      ],
+    },
+    notes: [{ frame: 20, text: 'one' }],
+    pins: [pin],
+    proposed_pins: [proposed],
+    draft: { proposals: [{ frame: 70 }, { frame: 85 }] },
+    segments: [{ first: 20, last: 40, state: 'good' }],
     review: { places: [{ id: 'a', frame: 20, kind: 'draft', px: 99 }], goal: 0 },
-    camera_motion: { counts: true, keys: [40], error_px: [], findings: [{ kind: 'no_texture', first: 50, last: 60, words: '' }, { kind: 'rolling_shutter', first: 0, last: 100, words: '' }] },
-    curve: { part: 'shin', x: Array.from({ length: 101 }, (_, i) => i) }, done: 1e9,
+    camera_motion: {
+      counts: true,
+      keys: [40],
+      error_px: [],
+      findings: [
+        { kind: 'no_texture', first: 50, last: 60, words: '' },
+        { kind: 'rolling_shutter', first: 0, last: 100, words: '' },
+      ],
+    },
+    curve: { part: 'shin', x: Array.from({ length: 101 }, (_, i) => i) },
+    done: 1e9,
   });
   Object.assign(ui, { span: { first: null, last: null }, chart: 'angle', curveAxis: 'x', reviewLeft: false });
   scale.setWidth(WIDTH);
@@ -42,14 +74,24 @@ const middle = () => stage().rows.keys.middle;
 test('each mark is found where it is drawn, and the frames everywhere else', () => {
   const { rows } = stage();
   const found = [
-    ['note', kindAt(20, scale.RULER - 4)], ['frames', kindAt(30, scale.RULER - 4)],
-    ['key', kindAt(20, middle())], ['part', kindAt(50, middle())], ['place', kindAt(85, middle())],
-    ['segment', kindAt(30, middle())], ['box', kindAt(30, middle() + 12)], ['box', kindAt(95, middle())],
-    ['pin', kindAt(20, rows.pins.y + 20)], ['proposal', kindAt(70, rows.pins.y + 20)],
-    ['camera_key', kindAt(40, rows.camera.y + 9)], ['camera_finding', kindAt(55, rows.camera.y + 9)], ['camera', kindAt(80, rows.camera.y + 9)],
-    ['lane', kindAt(90, rows.lanes.y + 2)], ['frames', kindAt(90, rows.curve.y + 2)],
+    ['note', kindAt(20, scale.RULER - 4)],
+    ['frames', kindAt(30, scale.RULER - 4)],
+    ['key', kindAt(20, middle())],
+    ['part', kindAt(50, middle())],
+    ['place', kindAt(85, middle())],
+    ['segment', kindAt(30, middle())],
+    ['box', kindAt(30, middle() + 12)],
+    ['box', kindAt(95, middle())],
+    ['pin', kindAt(20, rows.pins.y + 20)],
+    ['proposal', kindAt(70, rows.pins.y + 20)],
+    ['camera_key', kindAt(40, rows.camera.y + 9)],
+    ['camera_finding', kindAt(55, rows.camera.y + 9)],
+    ['camera', kindAt(80, rows.camera.y + 9)],
+    ['lane', kindAt(90, rows.lanes.y + 2)],
+    ['frames', kindAt(90, rows.curve.y + 2)],
     ['curvekey', kindAt(20, rows.curve.y + 6 + ((rows.curve.h - 12) * (106 - 20)) / 112)],
-    ['edge', kindAt(0, middle(), -60)], ['edge', kindAt(0, rows.lanes.y, -60)],
+    ['edge', kindAt(0, middle(), -60)],
+    ['edge', kindAt(0, rows.lanes.y, -60)],
   ];
   for (const [kind, there] of found) assert.equal(there, kind);
 });

@@ -11,8 +11,12 @@ ui.fitFocal = true;
 ui.box = [10, 20, 30, 80];
 const kept = { id: '0123456789ab', name: 'Sitting', fits: true };
 const about = {
-  insertPose: kept, insertMirrored: kept, openRecent: { id: 'a' },
-  softKeys: [0, 8], pinCorner: { part: 'left_hand', at: [10, 20] }, unkeyLimb: { frame: 4, parts: ['left_hand'] },
+  insertPose: kept,
+  insertMirrored: kept,
+  openRecent: { id: 'a' },
+  softKeys: [0, 8],
+  pinCorner: { part: 'left_hand', at: [10, 20] },
+  unkeyLimb: { frame: 4, parts: ['left_hand'] },
 };
 const messages = Object.entries(ACTIONS).flatMap(([id, { message }]) => (message ? [[id, message(about[id])]] : []));
 process.stdout.write(JSON.stringify(Object.fromEntries(messages)));

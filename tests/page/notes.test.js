@@ -11,8 +11,13 @@ import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { frames: 101 }, view: { frame: 30 }, keys: { frames: [], drafts: [] },
-    notes: [{ frame: 10, text: 'one' }, { frame: 50, text: '' }],
+    file: { frames: 101 },
+    view: { frame: 30 },
+    keys: { frames: [], drafts: [] },
+    notes: [
+      { frame: 10, text: 'one' },
+      { frame: 50, text: '' },
+    ],
   });
   scale.setWidth(scale.left() + 1000 + 26);
 });

@@ -13,7 +13,14 @@ const PARTS = [
   { name: 'forearm', parent: 'upper_arm', landmarks: [] },
   { name: 'hand', parent: 'forearm', landmarks: ['hand_tip', 'thumb'] },
 ];
-const POINTS = { chest: [0, 0, 0], upper_arm: [0, 1, 0], forearm: [0, 2, 0], hand: [0, 3, 0], hand_tip: [0, 4, 0], thumb: [1, 4, 0] };
+const POINTS = {
+  chest: [0, 0, 0],
+  upper_arm: [0, 1, 0],
+  forearm: [0, 2, 0],
+  hand: [0, 3, 0],
+  hand_tip: [0, 4, 0],
+  thumb: [1, 4, 0],
+};
 
 test('a joint hangs between the joints beside it', () => {
   assert.deepEqual(neighboursOf('forearm', PARTS, POINTS), [POINTS.upper_arm, POINTS.hand]);

@@ -3,10 +3,26 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import {
-  aboveFloor, alongAxis, between, dollied, dot, FOCAL, framing, freeEye, HIGHEST_DEG, LOWEST_DEG, orbited, panned, placeOf,
+  aboveFloor,
+  alongAxis,
+  between,
+  dollied,
+  dot,
+  FOCAL,
+  framing,
+  freeEye,
+  HIGHEST_DEG,
+  LOWEST_DEG,
+  orbited,
+  panned,
+  placeOf,
 } from '../../static/views/orbit.js';
 
-const LEVEL = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+const LEVEL = [
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
 /** A camera that looks down a little and leans. */
 const LEANING = turned();
 const STATE = { azimuth: 40, elevation: 20, target: [0.2, 0.3, 4], distance: 5 };
@@ -45,7 +61,13 @@ test('what lies under the pointer stays there while one comes nearer', () => {
   const [right, down] = eye.rows;
   const point = [0, 1, 2].map((k) => STATE.target[k] + (STATE.distance / FOCAL) * (at[0] * right[k] + at[1] * down[k]));
   near(eye.project(point), [...at, STATE.distance], 1e-6);
-  near(freeEye(dollied(STATE, LEVEL, 1.6, at), LEVEL).project(point).slice(0, 2), at, 1e-6);
+  near(
+    freeEye(dollied(STATE, LEVEL, 1.6, at), LEVEL)
+      .project(point)
+      .slice(0, 2),
+    at,
+    1e-6,
+  );
 });
 
 test('what is dragged across follows the pointer', () => {
@@ -54,7 +76,11 @@ test('what is dragged across follows the pointer', () => {
 });
 
 test('a reset shows all there is, and no more than the body from too far', () => {
-  const points = [[-1, -1, 2], [1, 0.9, 5], [0.3, 0.2, 3]];
+  const points = [
+    [-1, -1, 2],
+    [1, 0.9, 5],
+    [0.3, 0.2, 3],
+  ];
   const half = [600, 400];
   const all = framing({ azimuth: 52, elevation: 20 }, LEVEL, points, half);
   for (const [x, y] of points.map(freeEye(all, LEVEL).project)) {
@@ -74,5 +100,9 @@ test('looking along an axis twice looks from its other side', () => {
 function turned() {
   const [a, b] = [0.2, 0.35];
   const [c, s, d, t] = [Math.cos(a), Math.sin(a), Math.cos(b), Math.sin(b)];
-  return [[c, s, 0], [-s * d, c * d, t], [s * t, -c * t, d]];
+  return [
+    [c, s, 0],
+    [-s * d, c * d, t],
+    [s * t, -c * t, d],
+  ];
 }

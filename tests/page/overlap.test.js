@@ -7,7 +7,8 @@ import { after, asBefore, likeliestFirst, meant, whichOf } from '../../static/ha
 
 const handle = (part) => ({ key: `grip:${part}`, part });
 const [hand, hip, knee] = ['hand', 'hip', 'knee'].map(handle);
-const found = (...misses) => [hand, hip, knee].map((target, i) => ({ target, miss: misses[i] })).filter(({ miss }) => miss !== undefined);
+const found = (...misses) =>
+  [hand, hip, knee].map((target, i) => ({ target, miss: misses[i] })).filter(({ miss }) => miss !== undefined);
 
 test('the nearest is meant, unless the selected part’s lies as near', () => {
   assert.deepEqual(likeliestFirst(found(0.1, 0.2, 0.3), null), [hand, hip, knee]);

@@ -10,10 +10,22 @@ const at = (x, y, z) => [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z];
 
 /** A box about the middle of its frame. */
 function box(wide, high, deep) {
-  const points = [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z) => [(x * wide) / 2, (y * high) / 2, (z * deep) / 2])));
+  const points = [-1, 1].flatMap((x) =>
+    [-1, 1].flatMap((y) => [-1, 1].map((z) => [(x * wide) / 2, (y * high) / 2, (z * deep) / 2])),
+  );
   const flats = [0, 1, 2].flatMap((k) =>
-    [-1, 1].map((way) => ({ points: points.filter((p) => Math.sign(p[k]) === way), normal: [0, 1, 2].map((i) => (i === k ? way : 0)) })));
-  const wires = [-1, 1].map((way) => ({ ends: [[0, -high / 2, (way * deep) / 2], [0, high / 2, (way * deep) / 2]], normal: [0, 0, way] }));
+    [-1, 1].map((way) => ({
+      points: points.filter((p) => Math.sign(p[k]) === way),
+      normal: [0, 1, 2].map((i) => (i === k ? way : 0)),
+    })),
+  );
+  const wires = [-1, 1].map((way) => ({
+    ends: [
+      [0, -high / 2, (way * deep) / 2],
+      [0, high / 2, (way * deep) / 2],
+    ],
+    normal: [0, 0, way],
+  }));
   return { points, flats, wires };
 }
 
@@ -34,7 +46,10 @@ test('of a solid the sides and lines that face the eye are seen, by rays from th
 
 test('parts behind the eye, and those whose place is not known, are left out', () => {
   const solids = { ahead: box(1, 1, 1), behind: box(1, 1, 1), nowhere: box(1, 1, 1) };
-  assert.deepEqual(seen(solids, { ahead: at(0, 0, 5), behind: at(0, 0, -5) }).map(({ name }) => name), ['ahead']);
+  assert.deepEqual(
+    seen(solids, { ahead: at(0, 0, 5), behind: at(0, 0, -5) }).map(({ name }) => name),
+    ['ahead'],
+  );
 });
 
 test('near parts come after those that they cover, also where a long one has its middle farther away', () => {
@@ -81,7 +96,13 @@ test('a part takes away what lies behind it, whether or not it has a colour itse
   const [part] = seen({ cube: box(1, 1, 1) }, { cube: at(0, 0, 5) });
   const fillsAt = (opacity) => {
     const canvas = new Canvas();
-    paintPart(/** @type {any} */ (canvas), part, { colour: [1, 2, 3], opacity, isWired: true, line: [1, 1, 1], width: 1 });
+    paintPart(/** @type {any} */ (canvas), part, {
+      colour: [1, 2, 3],
+      opacity,
+      isWired: true,
+      line: [1, 1, 1],
+      width: 1,
+    });
     return canvas.fills;
   };
   assert.deepEqual(fillsAt(0), ['destination-out', 'destination-out']);

@@ -13,10 +13,16 @@ test('one limb fills the lower half in its colour', () => {
 
 test('two limbs share the diamond, left and right', () => {
   const fills = fillsOf([arm, leg], 10, 20, 5);
-  assert.deepEqual(fills.map(([side]) => side), ['R', 'L']);
+  assert.deepEqual(
+    fills.map(([side]) => side),
+    ['R', 'L'],
+  );
   assert.ok(fills.every(([, path]) => path.startsWith('M10 15')));
 });
 
 test('more limbs than two have the colour of the trunk', () => {
-  assert.deepEqual(fillsOf([arm, leg, arm], 0, 0, 5).map(([side]) => side), ['C']);
+  assert.deepEqual(
+    fillsOf([arm, leg, arm], 0, 0, 5).map(([side]) => side),
+    ['C'],
+  );
 });

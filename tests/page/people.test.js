@@ -5,7 +5,13 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import {
-  isLooking, isNobodyHere, peopleHere, peopleWords, personAt, personMeant, takePerson,
+  isLooking,
+  isNobodyHere,
+  peopleHere,
+  peopleWords,
+  personAt,
+  personMeant,
+  takePerson,
 } from '../../static/actions/people.js';
 
 const TALL = [10, 20, 110, 320];
@@ -14,7 +20,12 @@ const CHILD = [60, 200, 100, 310];
 const found = (...boxes) => void (server.people = { frame: 4, boxes });
 
 beforeEach(() => {
-  Object.assign(server, { file: { frames: 9, path: 'a' }, view: { frame: 4 }, body: { is_persons: true }, surface: null });
+  Object.assign(server, {
+    file: { frames: 9, path: 'a' },
+    view: { frame: 4 },
+    body: { is_persons: true },
+    surface: null,
+  });
   Object.assign(ui, { tool: 'box', box: null, personHover: null, playing: false });
 });
 

@@ -10,10 +10,14 @@ test('masks are asked for one after another, and a frame that has none is told o
   const asked = [];
   const answers = [];
   globalThis.localStorage ??= /** @type {any} */ ({ getItem: () => '' });
-  globalThis.fetch = /** @type {any} */ ((path) => {
-    asked.push(path);
-    return new Promise((done) => answers.push(() => done({ ok: false, text: async () => `No person at ${path}.\n` })));
-  });
+  globalThis.fetch = /** @type {any} */ (
+    (path) => {
+      asked.push(path);
+      return new Promise((done) =>
+        answers.push(() => done({ ok: false, text: async () => `No person at ${path}.\n` })),
+      );
+    }
+  );
   const { server, setUi, ui } = await import('../../static/store/state.js');
   const { mountPersonMask } = await import('../../static/views/person_mask.js');
   Object.assign(server, { file: { path: 'a.mp4' }, body: { is_persons: true } });

@@ -13,16 +13,31 @@ const foot = { name: 'left_foot', label: 'Left foot', short: 'Foot', side: 'L', 
 const hand = { name: 'left_hand', label: 'Left hand', short: 'Hand', side: 'L', landmarks: [] };
 const chest = { name: 'chest', label: 'Chest', short: 'Chest', side: 'C', landmarks: [] };
 const pin = (first, last, more = {}) => ({
-  part: 'left_foot', label: 'Left foot', side: 'L', landmarks: ['left_heel', 'left_toe'], point_m: null,
-  first, last, floor: false, sole: [], slides_cm: null, keyframe: null, problem: '', ...more,
+  part: 'left_foot',
+  label: 'Left foot',
+  side: 'L',
+  landmarks: ['left_heel', 'left_toe'],
+  point_m: null,
+  first,
+  last,
+  floor: false,
+  sole: [],
+  slides_cm: null,
+  keyframe: null,
+  problem: '',
+  ...more,
 });
 const row = { y: 100, h: 30, thin: false };
 
 beforeEach(() => {
   const ends = ['left_foot', 'left_hand'].map((name) => ({ kind: 'end', part: name, name }));
   Object.assign(server, {
-    file: { frames: 101 }, view: { frame: 30, selected: 'left_foot' }, keys: { frames: [0, 50], drafts: [], soft: [50] },
-    body: { parts: [foot, hand, chest], handles: ends }, pins: [pin(0, 20), pin(40, 60)], proposed_pins: [],
+    file: { frames: 101 },
+    view: { frame: 30, selected: 'left_foot' },
+    keys: { frames: [0, 50], drafts: [], soft: [50] },
+    body: { parts: [foot, hand, chest], handles: ends },
+    pins: [pin(0, 20), pin(40, 60)],
+    proposed_pins: [],
   });
   scale.setWidth(scale.left() + 1000 + 26);
 });
@@ -57,7 +72,10 @@ test('a keyframe is softened, and made exact again', () => {
 test('keyframes that pins contradict by more than is seen are softened together', () => {
   assert.equal(whyNot('softKeys'), 'No pin contradicts a keyframe');
   const found = { kind: 'pin', words: '', part: 'left_foot', first: 0, last: 60, remedy: 'soften' };
-  server.space = [{ ...found, go: 50, cm: 36, keyframes: [0, 50] }, { ...found, go: 24, cm: 2, keyframes: [24] }];
+  server.space = [
+    { ...found, go: 50, cm: 36, keyframes: [0, 50] },
+    { ...found, go: 24, cm: 2, keyframes: [24] },
+  ];
   assert.deepEqual(pins.contradicted(), [0, 50]);
   assert.equal(whyNot('softKeys'), '');
   assert.equal(labelOf('softKeys'), 'Relax 2 keyframes');

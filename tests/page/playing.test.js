@@ -10,7 +10,11 @@ import { span as mark } from '../../static/timeline/marks/span.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {
-  Object.assign(server, { file: { frames: 101, id: 'a', path: '/a' }, view: { frame: 30 }, keys: { frames: [], drafts: [] } });
+  Object.assign(server, {
+    file: { frames: 101, id: 'a', path: '/a' },
+    view: { frame: 30 },
+    keys: { frames: [], drafts: [] },
+  });
   playing.clearSpan();
   Object.assign(ui, { playing: false, shuttle: 1, speed: 1 });
   scale.setWidth(scale.left() + 1000 + 26);
@@ -64,6 +68,9 @@ test('J turns it backward, then faster; L forward again; the words tell how fast
 });
 
 test('J, K and L shuttle while it plays, and mean what they ever did while nothing does', () => {
-  assert.deepEqual(['J', 'K', 'L'].map((key) => WHILE_PLAYING.get(key)), ['playSlower', 'stopPlaying', 'playFaster']);
+  assert.deepEqual(
+    ['J', 'K', 'L'].map((key) => WHILE_PLAYING.get(key)),
+    ['playSlower', 'stopPlaying', 'playFaster'],
+  );
   assert.deepEqual([BY_CHORD.get('K').id, BY_CHORD.get('L').id], ['addKeyframe', 'live']);
 });

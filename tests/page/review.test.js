@@ -4,7 +4,18 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import './browser.js';
 import {
-  answered, answerOf, currentRow, doneWords, listOf, openRows, pauseLeft, placesAbove, presentPlace, ranked, turned, withUndone,
+  answered,
+  answerOf,
+  currentRow,
+  doneWords,
+  listOf,
+  openRows,
+  pauseLeft,
+  placesAbove,
+  presentPlace,
+  ranked,
+  turned,
+  withUndone,
 } from '../../static/actions/review_list.js';
 
 const place = (id, px) => ({ id, frame: Number(id), px });
@@ -13,7 +24,10 @@ const ids = (list) => list.rows.map(({ id }) => id);
 
 test('a goal keeps what is expected to be off by more, and what nobody knows', () => {
   const some = [place('3', null), place('4', 8), place('5', 5)];
-  assert.deepEqual(placesAbove(some, 5).map(({ id }) => id), ['3', '4']);
+  assert.deepEqual(
+    placesAbove(some, 5).map(({ id }) => id),
+    ['3', '4'],
+  );
 });
 
 test('a review begins with the worst place', () => {
@@ -54,8 +68,22 @@ test('the next N shows the new order, without what was answered', () => {
 
 test('a place that is gone gives way to its old neighbour', () => {
   const list = { ...listOf(PLACES), current: '34' };
-  assert.equal(turned(list, PLACES.filter(({ id }) => id !== '34'), 1).current, '68');
-  assert.equal(turned(list, PLACES.filter(({ id }) => id !== '34'), -1).current, '87');
+  assert.equal(
+    turned(
+      list,
+      PLACES.filter(({ id }) => id !== '34'),
+      1,
+    ).current,
+    '68',
+  );
+  assert.equal(
+    turned(
+      list,
+      PLACES.filter(({ id }) => id !== '34'),
+      -1,
+    ).current,
+    '87',
+  );
 });
 
 test('what is undone is open again and becomes the current one', () => {

@@ -30,13 +30,22 @@ test('lowest and highest leave out what is missing, and what is not asked for', 
 
 test('a missing value parts a curve in two', () => {
   const runs = runsOf([0, 1, null, 3, 4, 5]);
-  assert.deepEqual(runs.map((run) => run.map(({ frame }) => frame)), [[0, 1], [3, 4, 5]]);
+  assert.deepEqual(
+    runs.map((run) => run.map(({ frame }) => frame)),
+    [
+      [0, 1],
+      [3, 4, 5],
+    ],
+  );
   assert.equal(runs[1][0].x, scale.x(3));
 });
 
 test('only the frames that are asked for are drawn', () => {
   const runs = runsOf([0, 1, 2, 3, 4, 5], 2, 4);
-  assert.deepEqual(runs.map((run) => run.map(({ frame }) => frame)), [[2, 3, 4]]);
+  assert.deepEqual(
+    runs.map((run) => run.map(({ frame }) => frame)),
+    [[2, 3, 4]],
+  );
 });
 
 test('of many thousand frames no more columns are drawn than pixels, and a single dip is seen', () => {
@@ -52,6 +61,9 @@ test('of many thousand frames no more columns are drawn than pixels, and a singl
 
 test('a line goes through one value, and through both ends where frames share a column', () => {
   const y = (value) => 10 * value;
-  const run = [{ x: 1, low: 2, high: 2 }, { x: 2, low: 1, high: 3 }];
+  const run = [
+    { x: 1, low: 2, high: 2 },
+    { x: 2, low: 1, high: 3 },
+  ];
   assert.equal(line(run, y), 'M1.0 20.0L2.0 30.0L2.0 10.0');
 });

@@ -122,7 +122,11 @@ test('pins have a row between the lanes and the curve, and a thin line beside th
 });
 
 test('the camera has its row between keyframes and lanes, also in a low timeline', () => {
-  for (const [height, lanes, weakest] of [[240, 5, false], [148, 1, true], [232, 0, false]]) {
+  for (const [height, lanes, weakest] of [
+    [240, 5, false],
+    [148, 1, true],
+    [232, 0, false],
+  ]) {
     const rows = scale.rowsFor({ height, zoomed: false, lanes, weakest, pins: true, camera: true });
     assert.equal(rows.camera.y, rows.keys.y + rows.keys.h);
     assert.ok(rows.camera.h >= 16);

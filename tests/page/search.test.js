@@ -13,11 +13,31 @@ const part = (name, label, side) => ({ name, label, short: label, side, parent: 
 
 beforeEach(() => {
   Object.assign(server, {
-    file: { name: 'jump', path: '/jump', frames: 60 }, view: { frame: 4, selected: null, mode: 'both', trail: true },
-    body: { parts: [part('left_forearm', 'Left forearm', 'L'), part('left_upper_arm', 'Left upper arm', 'L'), part('right_forearm', 'Right forearm', 'R')], handles: [] },
-    keys: { frames: [0, 8, 20], drafts: [] }, undo: { undo: 'turn left hand', redo: null }, history: { done: 1, total: 1, first: 0, steps: [] },
-    segments: [{ first: 0, last: 8, state: 'good' }, { first: 8, last: 20, state: 'check' }], clipboard: false, done: 1e9,
-    notes: [{ frame: 12, text: 'elbow hidden behind the chest' }, { frame: 30, text: '' }], pins: [], proposed_pins: [],
+    file: { name: 'jump', path: '/jump', frames: 60 },
+    view: { frame: 4, selected: null, mode: 'both', trail: true },
+    body: {
+      parts: [
+        part('left_forearm', 'Left forearm', 'L'),
+        part('left_upper_arm', 'Left upper arm', 'L'),
+        part('right_forearm', 'Right forearm', 'R'),
+      ],
+      handles: [],
+    },
+    keys: { frames: [0, 8, 20], drafts: [] },
+    undo: { undo: 'turn left hand', redo: null },
+    history: { done: 1, total: 1, first: 0, steps: [] },
+    segments: [
+      { first: 0, last: 8, state: 'good' },
+      { first: 8, last: 20, state: 'check' },
+    ],
+    clipboard: false,
+    done: 1e9,
+    notes: [
+      { frame: 12, text: 'elbow hidden behind the chest' },
+      { frame: 30, text: '' },
+    ],
+    pins: [],
+    proposed_pins: [],
   });
   ui.library = { recents: [{ id: 'a', name: 'hurdle', path: '/hurdle', keyframes: 4, opened_at: 0, missing: false }] };
   inBrowser.remove('keypose.recent-commands');
@@ -28,7 +48,19 @@ const ids = (query, kind) => found(query, kind).map(({ id }) => id);
 test('every action of the table can be found, but those that need something pointed at', () => {
   const known = new Set(allEntries().map(({ id }) => id));
   const missing = Object.keys(ACTIONS).filter((id) => !known.has(`action:${id}`));
-  assert.deepEqual(missing.sort(), ['copyKeyHere', 'duplicateKeyframe', 'goTo', 'goToStep', 'insertMirrored', 'insertPose', 'openRecent', 'pinCorner', 'search', 'splitPin', 'unkeyLimb']);
+  assert.deepEqual(missing.sort(), [
+    'copyKeyHere',
+    'duplicateKeyframe',
+    'goTo',
+    'goToStep',
+    'insertMirrored',
+    'insertPose',
+    'openRecent',
+    'pinCorner',
+    'search',
+    'splitPin',
+    'unkeyLimb',
+  ]);
 });
 
 test('whatever can be done needs nothing that is not there', () => {
@@ -40,13 +72,41 @@ test('whatever can be done needs nothing that is not there', () => {
 
 test('what people type leads to what they mean', () => {
   const meant = {
-    undo: 'action:undo', 'undo list': 'action:history', blender: 'action:saveGlb', unreal: 'action:saveGlb', screenshot: 'action:saveImage', shortcuts: 'action:showKeys',
-    'dark mode': 'action:darkTheme', 'onion skin': 'action:ghosts', comment: 'action:note', marker: 'action:note', wireframe: 'action:wire',
-    'plant foot': 'action:pin', 'left forearm': 'part:left_forearm', forearm: 'part:left_forearm', 'l forearm': 'part:left_forearm', focal: 'setting:camera:Lens',
-    'camera tab': 'tab:camera', mask: 'setting:camera:Ignore masks', hurdle: 'file:a', 'chest hidden': 'note:12', 'add key': 'action:addKeyframe', lense: 'setting:camera:Lens',
-    keyfrmae: 'action:addKeyframe', 'export table': 'action:saveCsv', excel: 'action:saveCsv', 'quality': 'setting:track:Method', preset: 'setting:body:Body',
-    speed: 'action:playFaster', gif: 'action:exportFilm', fbx: 'action:saveFbx', 'flip leg': 'action:turnInDepth', retarget: 'action:exportMotion',
-    'another person': 'action:drawBox', elbow: 'part:left_forearm', 'right elbow': 'part:right_forearm',
+    undo: 'action:undo',
+    'undo list': 'action:history',
+    blender: 'action:saveGlb',
+    unreal: 'action:saveGlb',
+    screenshot: 'action:saveImage',
+    shortcuts: 'action:showKeys',
+    'dark mode': 'action:darkTheme',
+    'onion skin': 'action:ghosts',
+    comment: 'action:note',
+    marker: 'action:note',
+    wireframe: 'action:wire',
+    'plant foot': 'action:pin',
+    'left forearm': 'part:left_forearm',
+    forearm: 'part:left_forearm',
+    'l forearm': 'part:left_forearm',
+    focal: 'setting:camera:Lens',
+    'camera tab': 'tab:camera',
+    mask: 'setting:camera:Ignore masks',
+    hurdle: 'file:a',
+    'chest hidden': 'note:12',
+    'add key': 'action:addKeyframe',
+    lense: 'setting:camera:Lens',
+    keyfrmae: 'action:addKeyframe',
+    'export table': 'action:saveCsv',
+    excel: 'action:saveCsv',
+    quality: 'setting:track:Method',
+    preset: 'setting:body:Body',
+    speed: 'action:playFaster',
+    gif: 'action:exportFilm',
+    fbx: 'action:saveFbx',
+    'flip leg': 'action:turnInDepth',
+    retarget: 'action:exportMotion',
+    'another person': 'action:drawBox',
+    elbow: 'part:left_forearm',
+    'right elbow': 'part:right_forearm',
   };
   for (const [query, id] of Object.entries(meant)) {
     const place = ids(query).indexOf(id);
@@ -99,13 +159,24 @@ test('notes alone are listed by frame, and searched by their words', () => {
 
 test('without a file only what needs none can be done', () => {
   server.file = null;
-  const can = allEntries().filter(({ off }) => !off).map(({ id }) => id);
-  assert.deepEqual(can.sort(), ['action:darkTheme', 'action:lightTheme', 'action:openFile', 'action:showKeys', 'action:systemTheme', 'file:a']);
+  const can = allEntries()
+    .filter(({ off }) => !off)
+    .map(({ id }) => id);
+  assert.deepEqual(can.sort(), [
+    'action:darkTheme',
+    'action:lightTheme',
+    'action:openFile',
+    'action:showKeys',
+    'action:systemTheme',
+    'file:a',
+  ]);
 });
 
 test('every setting is a section of the inspector', () => {
   const folder = new URL('../../static/inspector/', import.meta.url);
-  const text = readdirSync(folder).map((name) => readFileSync(new URL(name, folder), 'utf8')).join('');
+  const text = readdirSync(folder)
+    .map((name) => readFileSync(new URL(name, folder), 'utf8'))
+    .join('');
   for (const { section } of SETTINGS) assert.ok(text.includes(`'${section}'`), section);
 });
 

@@ -19,8 +19,20 @@ function twice(target) {
 beforeEach(() => {
   due(1);
   Object.assign(server, {
-    view: { frame: 0, selected: null }, body: { parts: [], handles: [{ limb: ['upper_arm', 'forearm'] }] },
-    masks: [{ first: 0, last: 9, polygon: [[0, 0], [9, 0], [9, 9], [0, 9]] }],
+    view: { frame: 0, selected: null },
+    body: { parts: [], handles: [{ limb: ['upper_arm', 'forearm'] }] },
+    masks: [
+      {
+        first: 0,
+        last: 9,
+        polygon: [
+          [0, 0],
+          [9, 0],
+          [9, 9],
+          [0, 9],
+        ],
+      },
+    ],
   });
   Object.assign(ui, { limb: null, mask: 0, tool: 'select' });
 });
@@ -35,6 +47,18 @@ test('twice on a corner of a mask takes it away, and on what a mask has else not
   for (const target of [edge, rest.at(-1)]) twice(target);
   assert.deepEqual(due(1), []);
   twice(corner);
-  assert.deepEqual(due(1).map(({ do: what, polygon }) => [what, polygon]), [['change_mask', [[9, 0], [9, 9], [0, 9]]]]);
+  assert.deepEqual(
+    due(1).map(({ do: what, polygon }) => [what, polygon]),
+    [
+      [
+        'change_mask',
+        [
+          [9, 0],
+          [9, 9],
+          [0, 9],
+        ],
+      ],
+    ],
+  );
   assert.equal(ui.limb, null);
 });

@@ -10,7 +10,12 @@ import { selection as mark } from '../../static/timeline/marks/selection.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 beforeEach(() => {
-  Object.assign(server, { file: { frames: 101, path: '/a' }, view: { frame: 0 }, keys: { frames: [0, 20, 40, 100], drafts: [], soft: [] }, done: 1e9 });
+  Object.assign(server, {
+    file: { frames: 101, path: '/a' },
+    view: { frame: 0 },
+    keys: { frames: [0, 20, 40, 100], drafts: [], soft: [] },
+    done: 1e9,
+  });
   Object.assign(ui, { toasts: [], timeGrabbed: null });
   selection.selectKeys([]);
   selection.chooseOnly(0);

@@ -6,7 +6,13 @@ import './browser.js';
 import { listOf, unpacked } from '../../static/store/series.js';
 
 test('each run of values stands at its frames, with nulls where nothing is known', () => {
-  assert.deepEqual(listOf([[2, 0.5, 1], [6, 7]]), [null, null, 0.5, 1, null, null, 7]);
+  assert.deepEqual(
+    listOf([
+      [2, 0.5, 1],
+      [6, 7],
+    ]),
+    [null, null, 0.5, 1, null, null, 7],
+  );
   assert.deepEqual(listOf([]), []);
 });
 
@@ -28,5 +34,10 @@ test('series are unpacked wherever they are sent, all else stays as it is', () =
 });
 
 test('a session without a body has none of them', () => {
-  assert.deepEqual(unpacked({ need: [], lanes: {}, curve: null, joint_angle: null }), { need: [], lanes: {}, curve: null, joint_angle: null });
+  assert.deepEqual(unpacked({ need: [], lanes: {}, curve: null, joint_angle: null }), {
+    need: [],
+    lanes: {},
+    curve: null,
+    joint_angle: null,
+  });
 });

@@ -12,7 +12,11 @@ const view = { project: ([x, y, z]) => [PX_A_METRE * x, PX_A_METRE * y, z], pxPe
 /** Where the width's handle of a cylinder is, so many centimetres across. */
 function rimOf(cm) {
   const part = { name: 'tin', label: 'Tin', sizes: [{ key: 'radius', label: 'Width', cm, at_cm: [cm / 2, 5, 0] }] };
-  Object.assign(server, { body: { parts: [part] }, view: { selected: 'tin' }, pose: { T: { tin: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] } } });
+  Object.assign(server, {
+    body: { parts: [part] },
+    view: { selected: 'tin' },
+    pose: { T: { tin: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] } },
+  });
   ui.tool = 'size';
   const [{ at, foot }] = sizesIn(view);
   return Math.abs(at[0] - foot[0]);

@@ -11,8 +11,12 @@ const hand = { name: 'left_hand', landmarks: [] };
 
 beforeEach(() => {
   Object.assign(server, {
-    surface: null, camera: { up_origin: 'drawn', tilt_deg: -12.2, roll_deg: 1.8, lifts: null }, draft: null,
-    body: { parts: [foot, hand] }, segments: [{ state: 'good' }], settings: { method: 'keypose' },
+    surface: null,
+    camera: { up_origin: 'drawn', tilt_deg: -12.2, roll_deg: 1.8, lifts: null },
+    draft: null,
+    body: { parts: [foot, hand] },
+    segments: [{ state: 'good' }],
+    settings: { method: 'keypose' },
   });
 });
 
@@ -39,7 +43,10 @@ test('what drafting anew changes is named, and nothing of what it does not', () 
   assert.match(standing.whyNotLift(), /as the up direction has them/);
   server.camera.lifts = { drafts: 280, keyframes: 6, segments: 5 };
   assert.equal(standing.whyNotLift(), '');
-  assert.equal(standing.liftWords(), '280 drafts and 6 keyframes that nobody posed change; 5 segments are tracked anew');
+  assert.equal(
+    standing.liftWords(),
+    '280 drafts and 6 keyframes that nobody posed change; 5 segments are tracked anew',
+  );
   server.camera.lifts = { drafts: 0, keyframes: 1, segments: 1 };
   assert.equal(standing.liftWords(), '1 keyframe that nobody posed changes; 1 segment is tracked anew');
 });

@@ -89,9 +89,13 @@ export function drawCurve(row) {
   const values = server.curve[axis()] ?? [];
   return svg`<path class="s-line" d=${at.ticks.map((value) => `M${GUTTER} ${at.y(value).toFixed(1)}H${right() + 26}`).join('')} />
     ${error}
-    ${pieces().map(({ first, last, stale }) => svg`
+    ${pieces().map(
+      ({ first, last, stale }) => svg`
       <path class=${`angle ${axis()}${stale ? ' stale' : ''}`}
-        d=${runsOf(values, first, last).map((run) => line(run, at.y)).join('')} />`)}
+        d=${runsOf(values, first, last)
+          .map((run) => line(run, at.y))
+          .join('')} />`,
+    )}
     <path class=${`between ${axis()}`} d=${between(at)} />`;
 }
 
@@ -118,16 +122,18 @@ function errorLine(row) {
   const most = largest(server.curve.error);
   if (most <= 0) return '';
   const y = (value) => row.y + row.h - (value / most) * (row.h - 14) * ERROR_SHARE;
-  return runsOf(server.curve.error).map((run) => line(run, y)).join('');
+  return runsOf(server.curve.error)
+    .map((run) => line(run, y))
+    .join('');
 }
 
 /** Straight lines from key to key where nothing between them is known. */
 function between(at) {
   const keys = curveKeys();
   const open = (key, i) => i > 0 && key - keys[i - 1] > 1 && valueAt(key - 1) === null;
-  const lines = keys.map((key, i) => (open(key, i)
-    ? `M${x(keys[i - 1])} ${at.y(valueAt(keys[i - 1]))}L${x(key)} ${at.y(valueAt(key))}`
-    : ''));
+  const lines = keys.map((key, i) =>
+    open(key, i) ? `M${x(keys[i - 1])} ${at.y(valueAt(keys[i - 1]))}L${x(key)} ${at.y(valueAt(key))}` : '',
+  );
   return lines.join('');
 }
 
@@ -148,8 +154,10 @@ export function drawCurveLabels(row) {
   return svg`<text class="lbl" x="12" y=${top}>${name}</text>
     ${row.h > 34 ? drawAxes(part, top + 15) : nothing}
     ${row.h > 46 && hasError() ? drawErrorLabel(row) : nothing}
-    ${ticks.map((value) => svg`<text class="d" x=${GUTTER - 8} y=${at.y(value) + 4}
-      text-anchor="end">${shortNumber(value, 0)}</text>`)}`;
+    ${ticks.map(
+      (value) => svg`<text class="d" x=${GUTTER - 8} y=${at.y(value) + 4}
+      text-anchor="end">${shortNumber(value, 0)}</text>`,
+    )}`;
 }
 
 /** A number stands beside the name of the part only where the name is short enough. */

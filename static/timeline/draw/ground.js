@@ -13,11 +13,17 @@ export const GROUND = [
   { group: 'back', z: 0, from: () => [], draw: ({ rows }) => drawGround(rows) },
   { group: 'frames', z: 10, from: () => [], draw: ({ bottom }) => drawRuler(bottom) },
   { group: 'frames', z: 20, from: () => [server.damage], draw: ({ bottom }) => drawDamage(bottom) },
-  { group: 'frames', z: 190, from: () => [server.curve, isScore()], draw: ({ rows, empty }) => drawNothingYet(rows, empty) },
+  {
+    group: 'frames',
+    z: 190,
+    from: () => [server.curve, isScore()],
+    draw: ({ rows, empty }) => drawNothingYet(rows, empty),
+  },
   { group: 'above', z: 10, from: () => [server.keys], draw: ({ rows }) => [drawClip(), drawKeyLabels(rows)] },
 ];
 
-const nothingYet = () => `Visibility per part and joint angles appear here after ${isSurface() ? 'fitting' : 'tracking'}.`;
+const nothingYet = () =>
+  `Visibility per part and joint angles appear here after ${isSurface() ? 'fitting' : 'tracking'}.`;
 
 function drawGround(rows) {
   const { width, height } = ui.timeSize;
@@ -66,8 +72,10 @@ function drawRuler(height) {
   return svg`<path class="s-rule rules" d=${numbers.map(rule).join('')} />
     <path class="s-tick" d=${ticks.map(tick).join('')} />
     <path class="s-quiet" d=${numbers.map(long).join('')} />
-    ${numbers.map((frame) => svg`<text class="number" x=${x(frame).toFixed(1)} y="11"
-      data-frame=${frame} text-anchor="middle">${frame}</text>`)}`;
+    ${numbers.map(
+      (frame) => svg`<text class="number" x=${x(frame).toFixed(1)} y="11"
+      data-frame=${frame} text-anchor="middle">${frame}</text>`,
+    )}`;
 }
 
 function marks(step) {

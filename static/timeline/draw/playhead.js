@@ -12,8 +12,18 @@ import { GUTTER, right, RULER, x } from './scale.js';
 
 /** @type {import('../marks.js').Layer[]} */
 export const PLAYHEAD = [
-  { group: 'frames', z: 30, from: () => [frame(), server.keys], draw: ({ rows, bottom }) => drawBand(rows.top, bottom) },
-  { group: 'top', z: 10, from: () => [frame(), server.keys, selectedKeys(), server.segments], draw: ({ bottom }) => drawPlayhead(bottom) },
+  {
+    group: 'frames',
+    z: 30,
+    from: () => [frame(), server.keys],
+    draw: ({ rows, bottom }) => drawBand(rows.top, bottom),
+  },
+  {
+    group: 'top',
+    z: 10,
+    from: () => [frame(), server.keys, selectedKeys(), server.segments],
+    draw: ({ bottom }) => drawPlayhead(bottom),
+  },
 ];
 
 export const flagWidth = () => 16 + 9 * String(frame()).length;
@@ -41,7 +51,11 @@ function flag(half, top, bottom) {
 function spokenFrame() {
   const at = frame();
   const part = partKeyAt(at) ? `, part keyframe, ${partKeyAt(at).words}` : '';
-  const what = isKey(at) ? `, keyframe${isSelected(at) ? ', selected' : ''}` : draftFrames().includes(at) ? ', draft' : part;
+  const what = isKey(at)
+    ? `, keyframe${isSelected(at) ? ', selected' : ''}`
+    : draftFrames().includes(at)
+      ? ', draft'
+      : part;
   const segment = segmentAt(at);
   const note = noteAt(at);
   const noted = note ? `, note: ${noteAsOneLine(note, HOVERED)}` : '';

@@ -29,7 +29,9 @@ export function visible() {
 /** Of some frames, or of what has a frame or a first and a last one, what has any pixel on the drawing. */
 export function seenOf(things) {
   const { first, last } = visible();
-  return things.filter((each) => (each.last ?? each.frame ?? each) >= first - 1 && (each.first ?? each.frame ?? each) <= last + 1);
+  return things.filter(
+    (each) => (each.last ?? each.frame ?? each) >= first - 1 && (each.first ?? each.frame ?? each) <= last + 1,
+  );
 }
 
 export function left() {

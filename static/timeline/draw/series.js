@@ -12,7 +12,12 @@ const known = new WeakMap();
 export function numbers(list) {
   if (!list) return EMPTY;
   if (list instanceof Float32Array) return list;
-  if (!known.has(list)) known.set(list, Float32Array.from(list, (value) => value ?? NaN));
+  if (!known.has(list)) {
+    known.set(
+      list,
+      Float32Array.from(list, (value) => value ?? NaN),
+    );
+  }
   return known.get(list);
 }
 

@@ -32,8 +32,18 @@ export const cameraLane = {
   kind: 'camera',
   row: 'camera',
   layers: [
-    { group: 'frames', z: 45, from: () => [server.camera_motion], draw: ({ rows }) => (rows.camera ? drawLane(rows.camera) : nothing) },
-    { group: 'above', z: 45, from: () => [server.camera_motion], draw: ({ rows }) => (rows.camera ? drawLabels(rows.camera) : nothing) },
+    {
+      group: 'frames',
+      z: 45,
+      from: () => [server.camera_motion],
+      draw: ({ rows }) => (rows.camera ? drawLane(rows.camera) : nothing),
+    },
+    {
+      group: 'above',
+      z: 45,
+      from: () => [server.camera_motion],
+      draw: ({ rows }) => (rows.camera ? drawLabels(rows.camera) : nothing),
+    },
   ],
   hit: ({ x: px }) => (px < GUTTER ? null : { at: clampFrame(frameAt(px)) }),
   grab: (_, place) => scrub(place),
@@ -41,7 +51,9 @@ export const cameraLane = {
   menu: frames.menu,
   tip({ at }, rows) {
     const error = errors()[at];
-    const words = Number.isFinite(error) ? `Frame ${at}: the background agrees within ${shortNumber(error, 2)} px` : `Frame ${at}: nothing is known of the camera here`;
+    const words = Number.isFinite(error)
+      ? `Frame ${at}: the background agrees within ${shortNumber(error, 2)} px`
+      : `Frame ${at}: nothing is known of the camera here`;
     return plate(words, x(at), rows.camera.y + rows.camera.h + 12);
   },
 };
@@ -77,7 +89,11 @@ export const cameraKey = {
   },
   menu({ frame: at }, { page }) {
     if (!isCameraKey(at)) return;
-    openMenuAt(`Camera at ${at}`, [heading(`Camera corrected at ${at}`), menuItem('goTo', at), menuItem('deleteCameraKey', at)], page);
+    openMenuAt(
+      `Camera at ${at}`,
+      [heading(`Camera corrected at ${at}`), menuItem('goTo', at), menuItem('deleteCameraKey', at)],
+      page,
+    );
   },
   tip: ({ frame: at }, rows) => svg`<path class="hover" d=${diamond(x(at), middle(rows.camera), RADIUS + 3)} />
     ${plate(`Camera corrected at ${at}`, x(at), rows.camera.y + rows.camera.h + 12)}`,
@@ -95,7 +111,9 @@ function drawLane(row) {
   const most = topOf(errors());
   const y = (value) => row.y + row.h - MARGIN - (value / most) * (row.h - 2 * MARGIN);
   return svg`<g class="camera-lane">${seenOf(found()).map((one) => drawFinding(one, row))}
-    <path class="camera-error" d=${runsOf(errors()).map((run) => line(run, y)).join('')} />
+    <path class="camera-error" d=${runsOf(errors())
+      .map((run) => line(run, y))
+      .join('')} />
     ${seenOf(cameraKeys()).map((at) => svg`<path class="keymark camera-key" d=${diamond(x(at), middle(row), RADIUS)} />`)}</g>`;
 }
 

@@ -20,8 +20,18 @@ const FINE = 0.1;
 const STEP_DEG = 5;
 
 const layer = (group, z, draw, more = () => []) => ({
-  group, z,
-  from: () => [isScore(), server.curve, server.segments, server.keys, server.body, ui.curveAxis, held('curvekey')?.frame, ...more()],
+  group,
+  z,
+  from: () => [
+    isScore(),
+    server.curve,
+    server.segments,
+    server.keys,
+    server.body,
+    ui.curveAxis,
+    held('curvekey')?.frame,
+    ...more(),
+  ],
   draw: ({ rows }) => (isScore() ? nothing : draw(rows.curve)),
 });
 
@@ -29,13 +39,19 @@ const layer = (group, z, draw, more = () => []) => ({
 export const curveKey = {
   kind: 'curvekey',
   layers: [
-    layer('frames', 100, drawCurve), layer('frames', 101, drawKeys), layer('frames', 170, drawCurrent, () => [frame()]),
+    layer('frames', 100, drawCurve),
+    layer('frames', 101, drawKeys),
+    layer('frames', 170, drawCurrent, () => [frame()]),
     layer('above', 100, drawCurveLabels),
   ],
   hit({ x: px, y: py }, { rows }) {
     const at = rows.curve !== null && py >= rows.curve.y ? scale(rows.curve) : null;
     if (at === null || px < GUTTER) return null;
-    return hitNear(withRoom(curveKeys()).filter((key) => Math.abs(at.y(valueAt(key)) - py) <= REACH_PX), px, REACH_PX);
+    return hitNear(
+      withRoom(curveKeys()).filter((key) => Math.abs(at.y(valueAt(key)) - py) <= REACH_PX),
+      px,
+      REACH_PX,
+    );
   },
   cursor: 'ns-resize',
   edits: true,
@@ -48,7 +64,14 @@ export const curveKey = {
   },
   drag({ frame: key, part, about, from, deg }, rows) {
     const word = partNamed(part)?.words?.[about] ?? about.toUpperCase();
-    return drawLarge('curvekey current', key, deg, 6, `${word} ${shortNumber(deg, 1)}°  ${signedNumber(deg - from, 1)}`, rows.curve);
+    return drawLarge(
+      'curvekey current',
+      key,
+      deg,
+      6,
+      `${word} ${shortNumber(deg, 1)}°  ${signedNumber(deg - from, 1)}`,
+      rows.curve,
+    );
   },
 };
 
@@ -58,9 +81,7 @@ function grab(at, start, row) {
   const about = axis();
   const from = valueAt(at);
   const degPerPx = scale(row).value(0) - scale(row).value(1);
-  const stroke = new Stroke('angle', (value) => (
-    { do: 'key_angle', frame: at, part, axis: about, deg: value }
-  ));
+  const stroke = new Stroke('angle', (value) => ({ do: 'key_angle', frame: at, part, axis: about, deg: value }));
   let y = start.y;
   let deg = from;
   let begun = false;

@@ -20,10 +20,25 @@ export const draft = {
   kind: 'place',
   row: 'keys',
   layers: [
-    { group: 'frames', z: 90, from: () => [server.keys, server.segments, server.draft], draw: ({ rows }) => drawStretches(rows.keys) },
-    { group: 'frames', z: 150, from: () => [server.draft], draw: ({ rows, bottom }) => seenOf(placesToConfirm()).map((place) => drawPlace(place, rows.keys.middle, bottom)) },
+    {
+      group: 'frames',
+      z: 90,
+      from: () => [server.keys, server.segments, server.draft],
+      draw: ({ rows }) => drawStretches(rows.keys),
+    },
+    {
+      group: 'frames',
+      z: 150,
+      from: () => [server.draft],
+      draw: ({ rows, bottom }) => seenOf(placesToConfirm()).map((place) => drawPlace(place, rows.keys.middle, bottom)),
+    },
   ],
-  hit: ({ x: px }) => hitNear(placesToConfirm().map(({ frame }) => frame), px, REACH_PX),
+  hit: ({ x: px }) =>
+    hitNear(
+      placesToConfirm().map(({ frame }) => frame),
+      px,
+      REACH_PX,
+    ),
   cursor: 'pointer',
   grab: ({ frame }, start) => scrub({ ...start, x: x(frame) }),
   click: settle,
@@ -49,7 +64,9 @@ export function draftStretches(frames, segments) {
   }
   const isLong = ([first, last]) => last - first + 1 >= FEWEST;
   const long = runs.filter(isLong);
-  const alone = runs.filter((run) => !isLong(run)).flatMap(([first, last]) => (first === last ? [first] : [first, last]));
+  const alone = runs
+    .filter((run) => !isLong(run))
+    .flatMap(([first, last]) => (first === last ? [first] : [first, last]));
   const stretches = long.filter(([first, last]) => !segments.some((s) => s.first < first && last < s.last));
   return { stretches, alone };
 }
@@ -70,8 +87,12 @@ function drawStretch([first, last], middle) {
   const bar = (name) => svg`<rect class=${name} x=${from} y=${middle - BAR.half + 0.5} width=${Math.max(1, to - from)}
     height=${2 * BAR.half - 1} rx="3" />`;
   return svg`${bar('f-panel')}${bar('drafted')}
-    ${at === null ? null : svg`<rect class="f-panel" x=${at - WORD_PX / 2} y=${middle - 8} width=${WORD_PX} height="16" rx="8" />
-      <text class="word f-track" x=${at} y=${middle + 4} text-anchor="middle">Draft</text>`}`;
+    ${
+      at === null
+        ? null
+        : svg`<rect class="f-panel" x=${at - WORD_PX / 2} y=${middle - 8} width=${WORD_PX} height="16" rx="8" />
+      <text class="word f-track" x=${at} y=${middle + 4} text-anchor="middle">Draft</text>`
+    }`;
 }
 
 /** Where the word hides no ring; null where no place is free. */

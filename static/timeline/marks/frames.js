@@ -11,7 +11,12 @@ import { setGrabbed } from '../pointer.js';
 /** The frames that the playhead snaps to, unless Ctrl is held. */
 function marked() {
   const suggested = suggestedFrame();
-  return [...keyFrames(), ...partKeys().map((key) => key.frame), ...draftFrames(), ...(suggested === null ? [] : [suggested])];
+  return [
+    ...keyFrames(),
+    ...partKeys().map((key) => key.frame),
+    ...draftFrames(),
+    ...(suggested === null ? [] : [suggested]),
+  ];
 }
 
 /** Grab the playhead; what then is clicked settles it. @returns {import('../marks.js').Gesture} */

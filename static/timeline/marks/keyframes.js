@@ -30,8 +30,18 @@ export const keyframe = {
   kind: 'key',
   row: 'keys',
   layers: [
-    { group: 'frames', z: 130, from: () => [server.keys, server.segments, String(onTheWay()), chosenKeys()], draw: ({ rows }) => drawKeys(rows.keys) },
-    { group: 'frames', z: 170, from: () => [frame(), server.keys, String(onTheWay()), chosenKeys()], draw: ({ rows }) => drawCurrent(rows.keys) },
+    {
+      group: 'frames',
+      z: 130,
+      from: () => [server.keys, server.segments, String(onTheWay()), chosenKeys()],
+      draw: ({ rows }) => drawKeys(rows.keys),
+    },
+    {
+      group: 'frames',
+      z: 170,
+      from: () => [frame(), server.keys, String(onTheWay()), chosenKeys()],
+      draw: ({ rows }) => drawCurrent(rows.keys),
+    },
   ],
   /** Ticks stand close: they are caught within 3 px only. */
   hit({ x: px }) {
@@ -50,7 +60,8 @@ export const keyframe = {
     return goTo(at);
   },
   menu: ({ frame: at }, { page }) => (isAmongSelected(at) ? openSelectionMenu(page) : openKeyMenu(at, page)),
-  tip: ({ frame: at }, rows) => svg`<path class="hover" d=${diamond(x(at), rows.keys.middle, 9.5)} />${named(`Keyframe ${at}`, x(at), rows)}`,
+  tip: ({ frame: at }, rows) =>
+    svg`<path class="hover" d=${diamond(x(at), rows.keys.middle, 9.5)} />${named(`Keyframe ${at}`, x(at), rows)}`,
   drag({ from, to, copy, taken, refused }, { keys: { middle } }) {
     const words = taken ? `${to} is a ${partKeyAt(to) ? 'part ' : ''}keyframe` : `${from} ${copy ? '+' : '→'} ${to}`;
     return svg`${copy ? nothing : svg`<path class="home" d=${diamond(x(from), middle, 5)} />`}
@@ -84,22 +95,35 @@ function grabKey(from, start) {
 }
 
 /** What both menus of a keyframe have. */
-export const duplicate = (at) => menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } });
+export const duplicate = (at) =>
+  menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } });
 /** A key acts at the playhead: for what lies elsewhere none is shown. */
 export const elsewhere = (isHere) => (isHere ? {} : { right: '' });
 export const remove = (at) => menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) });
 
 export function openKeyMenu(at, page) {
-  openMenuAt(`Keyframe ${at}`, [
-    menuItem('goTo', at), duplicate(at), menuItem('softKey', at), ...(isSoft(at) ? [menuItem('ownPose', at)] : []),
-    ...contextEntries('keyframe', { copyKeyHere: at, note: at }), line, remove(at),
-  ], page);
+  openMenuAt(
+    `Keyframe ${at}`,
+    [
+      menuItem('goTo', at),
+      duplicate(at),
+      menuItem('softKey', at),
+      ...(isSoft(at) ? [menuItem('ownPose', at)] : []),
+      ...contextEntries('keyframe', { copyKeyHere: at, note: at }),
+      line,
+      remove(at),
+    ],
+    page,
+  );
 }
 
 /** Keys as diamonds, and as ticks where their nearest neighbour is closer than 10 px: [{frame, room}, ...]. */
 function marksOf(frames) {
   const at = frames.map(x);
-  const marks = at.map((here, i) => ({ frame: frames[i], room: Math.min(here - (at[i - 1] ?? -1e9), (at[i + 1] ?? 1e9) - here) }));
+  const marks = at.map((here, i) => ({
+    frame: frames[i],
+    room: Math.min(here - (at[i - 1] ?? -1e9), (at[i + 1] ?? 1e9) - here),
+  }));
   return { diamonds: marks.filter(({ room }) => room >= CLOSE_PX), ticks: marks.filter(({ room }) => room < CLOSE_PX) };
 }
 
@@ -114,17 +138,23 @@ function drawKeys({ middle }) {
   const here = (marks) => marks.filter(({ frame: at }) => !gone.has(at));
   const isChosen = ({ frame: at }) => chosen.has(at);
   // Diamonds shrink, and ticks get thinner, so that the bars between them are still seen.
-  const large = (marks) => marks.map(({ frame: at, room }) => diamond(x(at), middle, clamp(room * 0.27, 3.5, RADIUS))).join('');
-  const small = (marks) => marks.map(({ frame: at, room }) => {
-    const wide = clamp(room / 3, 0.5, 3);
-    return `M${(x(at) - wide / 2).toFixed(1)} ${middle - 8}h${wide}v16h${-wide}z`;
-  }).join('');
+  const large = (marks) =>
+    marks.map(({ frame: at, room }) => diamond(x(at), middle, clamp(room * 0.27, 3.5, RADIUS))).join('');
+  const small = (marks) =>
+    marks
+      .map(({ frame: at, room }) => {
+        const wide = clamp(room / 3, 0.5, 3);
+        return `M${(x(at) - wide / 2).toFixed(1)} ${middle - 8}h${wide}v16h${-wide}z`;
+      })
+      .join('');
   return svg`<path class="keymark" d=${large(here(diamonds).filter(({ frame: at }) => !isSoft(at)))} />
     <path class="keymark soft" d=${large(here(diamonds).filter(({ frame: at }) => isSoft(at)))} />
     <path class="keymark tick" d=${small(here(ticks))} />
     <path class="keymark chosen" d=${large(here(diamonds).filter(isChosen))} />
     <path class="keymark tick chosen" d=${small(here(ticks).filter(isChosen))} />
-    <path class="draft" d=${seenOf(singleDrafts()).map((at) => diamond(x(at), middle, RADIUS)).join('')} />`;
+    <path class="draft" d=${seenOf(singleDrafts())
+      .map((at) => diamond(x(at), middle, RADIUS))
+      .join('')} />`;
 }
 
 /** The key under the playhead, in the accent; hollow while it is a draft, outlined while it is chosen. */
@@ -134,5 +164,7 @@ function drawCurrent({ middle }) {
   if (isKey(at)) {
     return svg`<path class=${`keymark current${isSoft(at) ? ' soft' : ''}${chosenKeys().includes(at) ? ' chosen' : ''}`} d=${diamond(x(at), middle, CURRENT)} />`;
   }
-  return draftFrames().includes(at) ? svg`<path class="draft current" d=${diamond(x(at), middle, CURRENT - 1)} />` : nothing;
+  return draftFrames().includes(at)
+    ? svg`<path class="draft current" d=${diamond(x(at), middle, CURRENT - 1)} />`
+    : nothing;
 }

@@ -7,7 +7,10 @@ import { reveal } from '../../actions/window.js';
 import { clampFrame } from '../../store/clip.js';
 import { frameAt, GUTTER, isIn, x } from '../draw/scale.js';
 
-/** Pull a box over keyframes; with Shift or Ctrl they come beside those selected. @returns {import('../marks.js').Gesture} */
+/**
+ * Pull a box over keyframes; with Shift or Ctrl they come beside those selected.
+ * @returns {import('../marks.js').Gesture}
+ */
 export function grabBox(_, start) {
   const before = selectedKeys();
   const kept = start.shift || start.ctrl ? before : [];

@@ -59,8 +59,7 @@ function combine(series, how) {
   return result;
 }
 
-const of = (lanes, parts) =>
-  parts.filter((part) => lanes[part]).map((part) => numbers(lanes[part]));
+const of = (lanes, parts) => parts.filter((part) => lanes[part]).map((part) => numbers(lanes[part]));
 
 /** Whether any part has a value anywhere. */
 export const anyLane = memoize((lanes) =>
@@ -85,7 +84,10 @@ export const lanesOf = memoize((lanes, body, folded, open) => {
     const head = { ...group, values, kind: 'group', open: isOpen };
     if (!isOpen) return [head];
     const single = (part) => ({
-      label: labels.get(part) ?? part, parts: [part], values: lanes[part] ?? [], kind: 'part',
+      label: labels.get(part) ?? part,
+      parts: [part],
+      values: lanes[part] ?? [],
+      kind: 'part',
     });
     return [head, ...group.parts.map(single)];
   });
@@ -128,8 +130,10 @@ function drawLane(one, { y, h, base }) {
   const hatched = runs.flatMap(hiddenRuns);
   const kind = `lane ${one.kind}${isSelected(one) ? ' selected' : ''}`;
   return svg`<path class=${kind} d=${area} />
-    ${hatched.map(([from, to]) => svg`<rect x=${from} y=${y} width=${to - from} height=${h}
-      fill="url(#tl-hidden)" />${drawHidden(from, to, base)}`)}`;
+    ${hatched.map(
+      ([from, to]) => svg`<rect x=${from} y=${y} width=${to - from} height=${h}
+      fill="url(#tl-hidden)" />${drawHidden(from, to, base)}`,
+    )}`;
 }
 
 function drawHidden(from, to, base) {

@@ -24,7 +24,11 @@ export const note = {
   layers: [{ group: 'frames', z: 200, from: () => [server.notes, held('note')?.from], draw: drawNotes }],
   hit({ x: px, y }) {
     if (y < RULER - HIGH - 3 || y > RULER + 1) return null;
-    return hitNear(allNotes().map(({ frame }) => frame), px, REACH_PX);
+    return hitNear(
+      allNotes().map(({ frame }) => frame),
+      px,
+      REACH_PX,
+    );
   },
   cursor: 'grab',
   edits: true,
@@ -45,16 +49,25 @@ export const note = {
   menu({ frame: at }, { page }) {
     const here = noteAt(at);
     if (!here) return;
-    openMenuAt(`Note at ${at}`, [heading(`Frame ${at} · ${noteAsOneLine(here)}`), ...contextEntries('note', { goTo: at, note: at, deleteNote: at })], page);
+    openMenuAt(
+      `Note at ${at}`,
+      [
+        heading(`Frame ${at} · ${noteAsOneLine(here)}`),
+        ...contextEntries('note', { goTo: at, note: at, deleteNote: at }),
+      ],
+      page,
+    );
   },
   tip({ frame: at }) {
     const here = noteAt(at);
     return here ? drawLarge('hover', at, `${at}  ${noteAsOneLine(here, HOVERED)}`) : nothing;
   },
-  drag: ({ from, to, taken }) => drawLarge(`moving${taken ? ' taken' : ''}`, to, taken ? `${to} has a note` : `${from} → ${to}`),
+  drag: ({ from, to, taken }) =>
+    drawLarge(`moving${taken ? ' taken' : ''}`, to, taken ? `${to} has a note` : `${from} → ${to}`),
 };
 
-const shape = (at, half, high) => `M${(at - half).toFixed(1)} ${RULER - 1 - high}h${2 * half}v${high - half}l${-half} ${half}l${-half} ${-half}z`;
+const shape = (at, half, high) =>
+  `M${(at - half).toFixed(1)} ${RULER - 1 - high}h${2 * half}v${high - half}l${-half} ${half}l${-half} ${-half}z`;
 
 function drawNotes() {
   const seen = seenOf(allNotes()).filter(({ frame }) => frame !== held('note')?.from);
@@ -64,4 +77,5 @@ function drawNotes() {
     <path class="note bare" d=${marks(seen.filter(({ text }) => !text))} />`;
 }
 
-const drawLarge = (looks, at, words) => svg`<path class=${`note ${looks}`} d=${shape(x(at), 5, 10)} />${plate(words, x(at), RULER + 12)}`;
+const drawLarge = (looks, at, words) =>
+  svg`<path class=${`note ${looks}`} d=${shape(x(at), 5, 10)} />${plate(words, x(at), RULER + 12)}`;

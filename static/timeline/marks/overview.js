@@ -24,10 +24,14 @@ function drawOverview() {
   const { first, last } = shown();
   const y = RULER;
   const bars = (server.segments ?? []).filter((segment) => segment.state !== 'none');
-  const keys = keyFrames().map((key) => `M${place(key).toFixed(1)} ${y}v${OVERVIEW}`).join('');
+  const keys = keyFrames()
+    .map((key) => `M${place(key).toFixed(1)} ${y}v${OVERVIEW}`)
+    .join('');
   return svg`<rect class="f-ground" x=${left()} y=${y} width=${right() - left()} height=${OVERVIEW} />
-    ${bars.map((s) => svg`<rect class=${`f-${s.state} faint`} x=${place(s.first)} y=${y + 1}
-      width=${Math.max(1, place(s.last) - place(s.first) - 1)} height=${OVERVIEW - 2} />`)}
+    ${bars.map(
+      (s) => svg`<rect class=${`f-${s.state} faint`} x=${place(s.first)} y=${y + 1}
+      width=${Math.max(1, place(s.last) - place(s.first) - 1)} height=${OVERVIEW - 2} />`,
+    )}
     <path class="s-ink" d=${keys} />
     <rect class="pane" x=${place(first)} y=${y + 0.5} height=${OVERVIEW - 1} rx="2"
       width=${Math.max(6, place(last) - place(first))} />

@@ -23,32 +23,59 @@ export const partKeyframe = {
   ...keyframe,
   kind: 'part',
   layers: [
-    { group: 'frames', z: 130, from: () => [server.keys, String(onTheWay())], draw: ({ rows }) => seenOf(partKeys()).filter(isHere).map((key) => drawKey(key, rows.keys)) },
     {
-      group: 'frames', z: 170, from: () => [frame(), server.keys, String(onTheWay())],
-      draw: ({ rows }) => [partKeyAt()].filter((key) => key && isHere(key)).map((key) => drawKey(key, rows.keys, 'current')),
+      group: 'frames',
+      z: 130,
+      from: () => [server.keys, String(onTheWay())],
+      draw: ({ rows }) =>
+        seenOf(partKeys())
+          .filter(isHere)
+          .map((key) => drawKey(key, rows.keys)),
+    },
+    {
+      group: 'frames',
+      z: 170,
+      from: () => [frame(), server.keys, String(onTheWay())],
+      draw: ({ rows }) =>
+        [partKeyAt()].filter((key) => key && isHere(key)).map((key) => drawKey(key, rows.keys, 'current')),
     },
   ],
-  hit: ({ x: px }) => (px < GUTTER || px > right() + RADIUS ? null : hitNear(partKeys().map((key) => key.frame), px, REACH_PX)),
+  hit: ({ x: px }) =>
+    px < GUTTER || px > right() + RADIUS
+      ? null
+      : hitNear(
+          partKeys().map((key) => key.frame),
+          px,
+          REACH_PX,
+        ),
   open: ({ frame: at }) => perform('keyWhole', at),
   menu: ({ frame: at }, { page }) => openPartKeyMenu(partKeyAt(at), page),
   tip({ frame: at }, rows) {
     const key = partKeyAt(at);
-    return key && svg`<path class="hover" d=${diamond(x(at), rows.keys.middle, 10.5)} />${named(`Part keyframe ${at}`, x(at), rows, `  ${key.words}`)}
-      ${plate('', x(at), rows.keys.middle + 44, 'The other parts follow tracking here. Double-click to key the whole pose.')}`;
+    return (
+      key &&
+      svg`<path class="hover" d=${diamond(x(at), rows.keys.middle, 10.5)} />${named(`Part keyframe ${at}`, x(at), rows, `  ${key.words}`)}
+      ${plate('', x(at), rows.keys.middle + 44, 'The other parts follow tracking here. Double-click to key the whole pose.')}`
+    );
   },
 };
 
 export function openPartKeyMenu({ frame: at, limbs, words }, page) {
   const several = limbs.length > 1 ? limbs : [];
-  openMenuAt(`Part keyframe ${at}`, [
-    heading(`Part keyframe ${at} · ${words}`),
-    menuItem('goTo', at),
-    menuItem('keyWhole', at),
-    ...several.map((limb) => menuItem('unkeyLimb', { frame: at, ...limb })),
-    duplicate(at),
-    ...contextEntries('partKeyframe', { note: at }), line, remove(at),
-  ], page);
+  openMenuAt(
+    `Part keyframe ${at}`,
+    [
+      heading(`Part keyframe ${at} · ${words}`),
+      menuItem('goTo', at),
+      menuItem('keyWhole', at),
+      ...several.map((limb) => menuItem('unkeyLimb', { frame: at, ...limb })),
+      duplicate(at),
+      ...contextEntries('partKeyframe', { note: at }),
+      line,
+      remove(at),
+    ],
+    page,
+  );
 }
 
 /**

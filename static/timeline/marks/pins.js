@@ -23,8 +23,18 @@ import { held, hovered } from '../pointer.js';
 export const pin = {
   kind: 'pin',
   layers: [
-    { group: 'frames', z: 50, from: () => [server.pins, server.proposed_pins, server.body, ui.timePin, held('pin')], draw: ({ rows }) => drawPins(rows.pins) },
-    { group: 'above', z: 50, from: () => [server.pins, server.proposed_pins, server.body], draw: ({ rows }) => drawPinLabels(rows.pins) },
+    {
+      group: 'frames',
+      z: 50,
+      from: () => [server.pins, server.proposed_pins, server.body, ui.timePin, held('pin')],
+      draw: ({ rows }) => drawPins(rows.pins),
+    },
+    {
+      group: 'above',
+      z: 50,
+      from: () => [server.pins, server.proposed_pins, server.body],
+      draw: ({ rows }) => drawPinLabels(rows.pins),
+    },
   ],
   hit(place, { rows }) {
     const bar = barAt(rows.pins, place);
@@ -40,12 +50,22 @@ export const pin = {
   menu({ index }, { page }) {
     const { [index]: one } = allPins();
     const { keyframe } = one;
-    openMenuAt(`${one.label} ${framesOf(one)}`, [
-      heading(`${one.label} · pinned ${framesOf(one)}`),
-      one.problem ? content(html`<div class="says check">${icon('warn')}<span>${one.problem}</span></div>`) : null,
-      ...(keyframe === null ? [] : [menuItem('softKey', keyframe), menuItem('splitPin', { index, frame: keyframe }), menuItem('goTo', keyframe)]),
-      menuItem('unpin', index, { right: framesOf(one) }),
-    ], page);
+    openMenuAt(
+      `${one.label} ${framesOf(one)}`,
+      [
+        heading(`${one.label} · pinned ${framesOf(one)}`),
+        one.problem ? content(html`<div class="says check">${icon('warn')}<span>${one.problem}</span></div>`) : null,
+        ...(keyframe === null
+          ? []
+          : [
+              menuItem('softKey', keyframe),
+              menuItem('splitPin', { index, frame: keyframe }),
+              menuItem('goTo', keyframe),
+            ]),
+        menuItem('unpin', index, { right: framesOf(one) }),
+      ],
+      page,
+    );
   },
   tip: ({ index }, rows) => drawTip(allPins()[index], rows),
   /** "Left foot 0–66 was 71". */
@@ -78,10 +98,17 @@ export const proposal = {
   },
   menu(what, { page }) {
     const one = proposalOf(what);
-    openMenuAt(`${one.label} ${framesOf(one)}`, [
-      heading(`${one.label} · proposed ${framesOf(one)}`), menuItem('acceptPins', one), menuItem('dismissPins', one), line,
-      menuItem('acceptPins'),
-    ], page);
+    openMenuAt(
+      `${one.label} ${framesOf(one)}`,
+      [
+        heading(`${one.label} · proposed ${framesOf(one)}`),
+        menuItem('acceptPins', one),
+        menuItem('dismissPins', one),
+        line,
+        menuItem('acceptPins'),
+      ],
+      page,
+    );
   },
   tip: (what, rows) => drawTip(proposalOf(what), rows, ' proposed · double-click to accept'),
 };
@@ -139,7 +166,10 @@ const linesOf = memoize((pins, proposed) => {
     const side = one.side === 'L' ? 'lower' : 'upper';
     const each = BAR.h / sides[side].size;
     const top = BAR.top + (side === 'lower' ? BAR.h + BAR.apart : 0);
-    return { y: top + each * [...sides[side]].indexOf(name(one)), h: Math.max(2, each - (sides[side].size > 1 ? 1 : 0)) };
+    return {
+      y: top + each * [...sides[side]].indexOf(name(one)),
+      h: Math.max(2, each - (sides[side].size > 1 ? 1 : 0)),
+    };
   };
 });
 
@@ -179,9 +209,10 @@ function drawBar({ pin: one, index, from, to, y, h }, row) {
 /** Two notches; the end that is pulled is a white grip. */
 function drawGrips(from, to, y, index) {
   const pulled = held('pin')?.index === index ? held('pin').end : null;
-  const grip = (at, end, inward) => pulled === end
-    ? svg`<rect class="grip" x=${at - 3} y=${y - 2} width="6" height="14" rx="1.5" />`
-    : svg`<path class="notch" d=${`M${at + inward * 4} ${y + 2.5}v5`} />`;
+  const grip = (at, end, inward) =>
+    pulled === end
+      ? svg`<rect class="grip" x=${at - 3} y=${y - 2} width="6" height="14" rx="1.5" />`
+      : svg`<path class="notch" d=${`M${at + inward * 4} ${y + 2.5}v5`} />`;
   return svg`${grip(from, 'first', 1)}${grip(to, 'last', -1)}`;
 }
 
@@ -246,21 +277,35 @@ function below(row, one) {
 
 /** Keys and words for the status bar while the pointer is at a pin, or pulls it; else null. */
 export function pinHints() {
-  if (held('pin')) return [['Alt', 'free, no snapping'], ['Esc', 'cancel']];
+  if (held('pin')) {
+    return [
+      ['Alt', 'free, no snapping'],
+      ['Esc', 'cancel'],
+    ];
+  }
   return hovered()?.kind === 'pin'
-    ? [['Drag an end', 'trim the pin'], ['Drag', 'move it'], ['Click', 'go there'], ['Delete', 'unpin the one clicked']]
+    ? [
+        ['Drag an end', 'trim the pin'],
+        ['Drag', 'move it'],
+        ['Click', 'go there'],
+        ['Delete', 'unpin the one clicked'],
+      ]
     : null;
 }
 
 /** The chosen pin's keys: Delete unpins it, Esc lets go of it. */
 export function listenForPinKeys() {
   addEventListener('pointerdown', () => setUi('timePin', null), true);
-  addEventListener('keydown', (event) => {
-    if (ui.timePin == null || !allPins()[ui.timePin] || keepsKey(event.key)) return;
-    if (event.key === 'Delete' || event.key === 'Backspace') unpin(ui.timePin);
-    else if (event.key !== 'Escape') return;
-    setUi('timePin', null);
-    event.preventDefault();
-    event.stopImmediatePropagation();
-  }, true);
+  addEventListener(
+    'keydown',
+    (event) => {
+      if (ui.timePin == null || !allPins()[ui.timePin] || keepsKey(event.key)) return;
+      if (event.key === 'Delete' || event.key === 'Backspace') unpin(ui.timePin);
+      else if (event.key !== 'Escape') return;
+      setUi('timePin', null);
+      event.preventDefault();
+      event.stopImmediatePropagation();
+    },
+    true,
+  );
 }

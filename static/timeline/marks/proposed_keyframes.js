@@ -14,7 +14,12 @@ export const proposedKeyframes = {
   layers: [
     { group: 'frames', z: 70, from: () => [server.need, server.suggest], draw: ({ rows }) => drawNeed(rows.keys) },
     { group: 'frames', z: 110, from: () => [suggestedFrame(), server.keys, Boolean(ui.review)], draw: drawSuggestion },
-    { group: 'frames', z: 140, from: () => [server.reduction, server.keys], draw: ({ rows }) => drawReduced(rows.keys.middle) },
+    {
+      group: 'frames',
+      z: 140,
+      from: () => [server.reduction, server.keys],
+      draw: ({ rows }) => drawReduced(rows.keys.middle),
+    },
   ],
 };
 
@@ -41,7 +46,9 @@ function drawReduced(middle) {
 
 /** As large as its neighbours leave room for. */
 function radiusAt(frames, i) {
-  const room = Math.min(...[frames[i - 1], frames[i + 1]].filter((one) => one !== undefined).map((one) => Math.abs(x(one) - x(frames[i]))));
+  const room = Math.min(
+    ...[frames[i - 1], frames[i + 1]].filter((one) => one !== undefined).map((one) => Math.abs(x(one) - x(frames[i]))),
+  );
   return Math.min(RADIUS, Math.max(LEAST_RADIUS, room * 0.45));
 }
 

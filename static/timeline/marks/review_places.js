@@ -14,10 +14,21 @@ const REACH_PX = 7;
 /** @type {import('../marks.js').Mark} */
 export const reviewPlace = {
   kind: 'review',
-  layers: [{ group: 'frames', z: 160, from: () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], draw: () => seenOf(open()).map(draw) }],
+  layers: [
+    {
+      group: 'frames',
+      z: 160,
+      from: () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft],
+      draw: () => seenOf(open()).map(draw),
+    },
+  ],
   hit({ x: px, y }) {
     if (y < RULER - 2 || y > RULER + 2 * HALF + 2) return null;
-    const at = nearest(open().map(({ frame }) => frame), px, REACH_PX);
+    const at = nearest(
+      open().map(({ frame }) => frame),
+      px,
+      REACH_PX,
+    );
     return open().find(({ frame }) => frame === at);
   },
   grab: ({ frame }, start) => scrub({ ...start, x: x(frame) }),

@@ -18,7 +18,10 @@ export const isScore = () => isChosen() && (server.segments ?? []).length > 0;
 export const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
 
 const layer = (group, draw) => ({
-  group, z: 100, from: () => [isScore() && segmentAt(frame())], draw: ({ rows }) => (isScore() ? draw(rows.curve) : nothing),
+  group,
+  z: 100,
+  from: () => [isScore() && segmentAt(frame())],
+  draw: ({ rows }) => (isScore() ? draw(rows.curve) : nothing),
 });
 
 /** @type {import('../marks.js').Mark} */
@@ -38,10 +41,14 @@ function drawScores(row) {
   const place = placesOf(segment, row);
   const points = known.map(([score, i]) => `${place.x(i)} ${place.y(score)}`);
   return svg`<path class="s-line" d=${place.grid} />
-    ${place.numbers.map(([words, y]) => svg`<text class="d" x=${GUTTER + 34} y=${y + 4}
-      text-anchor="end">${words}</text>`)}
-    ${place.ticks.map((i) => svg`<text class="d" x=${place.x(i)} y=${row.y + row.h}
-      text-anchor="middle">${i + 1}</text>`)}
+    ${place.numbers.map(
+      ([words, y]) => svg`<text class="d" x=${GUTTER + 34} y=${y + 4}
+      text-anchor="end">${words}</text>`,
+    )}
+    ${place.ticks.map(
+      (i) => svg`<text class="d" x=${place.x(i)} y=${row.y + row.h}
+      text-anchor="middle">${i + 1}</text>`,
+    )}
     <path class="score ahead" d=${place.ahead} />
     <path class=${`score ${segment.state}`} d=${`M${points.join('L')}`} />
     ${known.map(([score, i]) => drawPass(segment, score, i, place))}`;
@@ -56,8 +63,12 @@ function drawPass(segment, score, i, place) {
   const best = i === segment.best;
   return svg`<circle class=${`pass ${segment.state}${best ? ' best' : ''}`} cx=${place.x(i)}
       cy=${place.y(score)} r=${best ? 4.5 : 3}><title>Pass ${i + 1}: ${figures(score)}</title></circle>
-    ${best ? svg`<text class="bestword" x=${place.x(i)} y=${place.wordY(score)}
-      text-anchor="middle">best ${figures(score)}</text>` : nothing}`;
+    ${
+      best
+        ? svg`<text class="bestword" x=${place.x(i)} y=${place.wordY(score)}
+      text-anchor="middle">best ${figures(score)}</text>`
+        : nothing
+    }`;
 }
 
 function drawNothingYet(row) {
@@ -85,7 +96,10 @@ function placesOf(segment, row) {
     // Above its point unless the chart ends there.
     wordY: (score) => (y(score) - 8 > row.y + 12 ? y(score) - 8 : y(score) + 16),
     grid: `M${from - 16} ${bottom + 0.5}H${end}M${from - 16} ${top + 0.5}H${end}`,
-    numbers: [[figures(most), top], ['0', bottom]],
+    numbers: [
+      [figures(most), top],
+      ['0', bottom],
+    ],
     ticks: Array.from({ length: count }, (_, i) => i).filter((i) => i % every === 0),
     ahead: more ? `M${x(done)} ${y(last)}H${x(count - 1)}` : '',
   };
@@ -101,8 +115,9 @@ function drawScoreLabels(row) {
   const segment = segmentAt(frame());
   const which = segment ? `Segment ${range(segment.first, segment.last)}` : 'No segment here';
   const second = row.h > 34 ? svg`<text x="12" y=${row.y + 29}>Error per pass</text>` : nothing;
-  const third = row.h > 46 && scoresOf(segment).length > 0
-    ? svg`<text class="d" x="12" y=${row.y + 44}>lower is better</text>`
-    : nothing;
+  const third =
+    row.h > 46 && scoresOf(segment).length > 0
+      ? svg`<text class="d" x="12" y=${row.y + 44}>lower is better</text>`
+      : nothing;
   return svg`<text class="lbl" x="12" y=${row.y + 14}>${which}</text>${second}${third}`;
 }

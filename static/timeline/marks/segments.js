@@ -20,7 +20,14 @@ import { clickRow, grabBox } from './keys_row.js';
 export const segment = {
   kind: 'segment',
   row: 'keys',
-  layers: [{ group: 'frames', z: 80, from: () => [server.segments, server.suggest, server.keys], draw: ({ rows }) => drawSegments(rows.keys.middle) }],
+  layers: [
+    {
+      group: 'frames',
+      z: 80,
+      from: () => [server.segments, server.suggest, server.keys],
+      draw: ({ rows }) => drawSegments(rows.keys.middle),
+    },
+  ],
   hit({ x: px, y }, { rows }) {
     if (Math.abs(y - rows.keys.middle) > BAR.half + 3) return null;
     const there = all().find((one) => px >= barOf(one).from - 1 && px <= barOf(one).to + 1);
@@ -122,10 +129,13 @@ function drawWord(one, middle) {
 function freePlace(from, to, wide) {
   if (to - from < wide + 8) return null;
   const suggested = suggestedFrame();
-  const diamonds = [...singleDrafts(), ...partKeys().map((key) => key.frame), ...(suggested === null ? [] : [suggested])].map(x);
+  const diamonds = [
+    ...singleDrafts(),
+    ...partKeys().map((key) => key.frame),
+    ...(suggested === null ? [] : [suggested]),
+  ].map(x);
   const isFree = (at) =>
-    at - wide / 2 >= from && at + wide / 2 <= to &&
-    diamonds.every((there) => Math.abs(there - at) > wide / 2 + 10);
+    at - wide / 2 >= from && at + wide / 2 <= to && diamonds.every((there) => Math.abs(there - at) > wide / 2 + 10);
   const places = [0.5, 0.24, 0.76].map((part) => from + (to - from) * part);
   return places.find(isFree) ?? null;
 }
@@ -137,14 +147,23 @@ export function openSegmentMenu(one, page, at = frame()) {
   const frames = range(one.first, one.last);
   const busy = state === 'tracking' || state === 'waiting';
   const isHere = segmentAt(frame())?.first === one.first;
-  openMenuAt(`Segment ${frames}`, [
-    content(html`<div class=${`says ${state}`}>${icon(state === 'none' ? 'track' : VERDICTS[state].sign)}<span><b>${frames}</b> ${sentenceOf(one)}</span></div>`),
-    notes.length ? content(html`<div class="says note"><div>${notes.map((words) => html`<div>${words}</div>`)}</div></div>`) : null,
-    busy ? menuItem('cancel') : menuItem('trackThis', one, { icon: 'track', ...elsewhere(isHere) }),
-    go === null ? null : menuItem('goTo', go),
-    menuItem('zoomToSegment', one), line,
-    ...contextEntries('segment', { note: at }),
-  ], page);
+  openMenuAt(
+    `Segment ${frames}`,
+    [
+      content(
+        html`<div class=${`says ${state}`}>${icon(state === 'none' ? 'track' : VERDICTS[state].sign)}<span><b>${frames}</b> ${sentenceOf(one)}</span></div>`,
+      ),
+      notes.length
+        ? content(html`<div class="says note"><div>${notes.map((words) => html`<div>${words}</div>`)}</div></div>`)
+        : null,
+      busy ? menuItem('cancel') : menuItem('trackThis', one, { icon: 'track', ...elsewhere(isHere) }),
+      go === null ? null : menuItem('goTo', go),
+      menuItem('zoomToSegment', one),
+      line,
+      ...contextEntries('segment', { note: at }),
+    ],
+    page,
+  );
 }
 
 function sentenceOf({ state, words }) {

@@ -34,7 +34,8 @@ export const selection = {
   hit({ x: px }) {
     const frames = selectedKeys();
     const at = edges(frames);
-    const isNearer = (end, one) => x(one) > GUTTER && Math.abs(px - at[end]) <= REACH_PX && Math.abs(px - at[end]) < Math.abs(px - x(one));
+    const isNearer = (end, one) =>
+      x(one) > GUTTER && Math.abs(px - at[end]) <= REACH_PX && Math.abs(px - at[end]) < Math.abs(px - x(one));
     if (at === null) return null;
     if (isNearer('first', frames[0])) return { end: 'first' };
     return isNearer('last', frames.at(-1)) && { end: 'last' };
@@ -47,7 +48,8 @@ export const selection = {
     const one = end === 'first' ? frames[0] : frames.at(-1);
     const offset = x(one) - start.x;
     return carry(frames, { end, held: one }, (place) =>
-      stretched(frames, end, snapped(place.x + offset, place.alt ? [] : [frame()]), lastFrame()));
+      stretched(frames, end, snapped(place.x + offset, place.alt ? [] : [frame()]), lastFrame()),
+    );
   },
   menu: (_, { page }) => openSelectionMenu(page),
   tip({ end }, rows) {
@@ -69,7 +71,9 @@ export const selection = {
 export function grabKeys(at, start) {
   const frames = selectedKeys();
   const offset = x(at) - start.x;
-  return carry(frames, { end: null, held: at }, (place) => shifted(frames, frameAt(place.x + offset) - at, lastFrame()));
+  return carry(frames, { end: null, held: at }, (place) =>
+    shifted(frames, frameAt(place.x + offset) - at, lastFrame()),
+  );
 }
 
 /** @returns {import('../marks.js').Gesture} */
@@ -81,7 +85,15 @@ function carry(frames, what, moved) {
       const to = moved(place);
       const copy = what.end === null && Boolean(place.shift || place.alt);
       const isSame = frames.every((at, i) => at === to[i]);
-      return { kind: 'keys', frames, to, ...what, copy, taken: isSame ? '' : whyNotAt(frames, to, copy), refused: false };
+      return {
+        kind: 'keys',
+        frames,
+        to,
+        ...what,
+        copy,
+        taken: isSame ? '' : whyNotAt(frames, to, copy),
+        refused: false,
+      };
     },
     end: (there) => (there.taken ? putBack(there) : retime(frames, there.to, there.copy)),
   };
@@ -90,9 +102,17 @@ function carry(frames, what, moved) {
 /** What is done to all selected keyframes. */
 export function openSelectionMenu(page) {
   const title = count(selectedKeys().length, 'keyframe');
-  openMenuAt(title, [
-    heading(`${title} selected`), menuItem('copyPose'), menuItem('deleteKeyframe', undefined, { icon: 'trash' }), line, menuItem('selectAllKeyframes'),
-  ], page);
+  openMenuAt(
+    title,
+    [
+      heading(`${title} selected`),
+      menuItem('copyPose'),
+      menuItem('deleteKeyframe', undefined, { icon: 'trash' }),
+      line,
+      menuItem('selectAllKeyframes'),
+    ],
+    page,
+  );
 }
 
 /** Left and right edge of the band; null where fewer than two keyframes are selected. At the first
@@ -106,12 +126,16 @@ function edges(frames) {
 /** The band lies under the segments: their colours stay as they are. */
 function drawBand({ keys }, frames) {
   const at = edges(frames);
-  return at && svg`<rect class="selband" x=${at.first} y=${keys.y + 1.5} width=${at.last - at.first} height=${keys.h - 4} rx="4" />`;
+  return (
+    at &&
+    svg`<rect class="selband" x=${at.first} y=${keys.y + 1.5} width=${at.last - at.first} height=${keys.h - 4} rx="4" />`
+  );
 }
 
 function drawGrips({ keys: { y, h } }, frames) {
   const at = edges(frames);
-  const grip = (px) => svg`<rect class="selgrip" x=${px - GRIP.wide / 2} y=${y + (h - GRIP.high) / 2} width=${GRIP.wide} height=${GRIP.high} rx="2" />`;
+  const grip = (px) =>
+    svg`<rect class="selgrip" x=${px - GRIP.wide / 2} y=${y + (h - GRIP.high) / 2} width=${GRIP.wide} height=${GRIP.high} rx="2" />`;
   return at && [grip(at.first), grip(at.last)];
 }
 
@@ -126,10 +150,27 @@ function wordsOf({ frames, to, end, copy, held: at }) {
 
 /** Keys and words for the status bar while keyframes are selected or dragged; else null. */
 export function rangeHints() {
-  if (held('box')) return [['Shift', 'add to the selection'], ['Esc', 'cancel']];
-  if (held('keys')) return held('keys').end ? [['Esc', 'cancel']] : [['Shift', 'copy'], ['Esc', 'cancel']];
+  if (held('box')) {
+    return [
+      ['Shift', 'add to the selection'],
+      ['Esc', 'cancel'],
+    ];
+  }
+  if (held('keys')) {
+    return held('keys').end
+      ? [['Esc', 'cancel']]
+      : [
+          ['Shift', 'copy'],
+          ['Esc', 'cancel'],
+        ];
+  }
   if (!selectedKeys().length) return null;
   return [
-    ['Drag', 'move'], ['Shift drag', 'copy'], ['Drag an end', 'stretch'], [keyOf('later'), 'one frame'], ['Delete', 'delete'], ['Esc', 'select none'],
+    ['Drag', 'move'],
+    ['Shift drag', 'copy'],
+    ['Drag an end', 'stretch'],
+    [keyOf('later'), 'one frame'],
+    ['Delete', 'delete'],
+    ['Esc', 'select none'],
   ];
 }

@@ -43,12 +43,16 @@ export const span = {
   },
   menu({ end }, { page }) {
     const [word, at] = [wordOf(end), ui.span[end]];
-    openMenuAt(`${word} point ${at}`, [
-      menuItem('goTo', at),
-      { icon: 'x', label: `Clear the ${word.toLowerCase()} point`, run: () => clearEnd(end) },
-      menuItem('clearSpan'),
-      menuItem('loop'),
-    ], page);
+    openMenuAt(
+      `${word} point ${at}`,
+      [
+        menuItem('goTo', at),
+        { icon: 'x', label: `Clear the ${word.toLowerCase()} point`, run: () => clearEnd(end) },
+        menuItem('clearSpan'),
+        menuItem('loop'),
+      ],
+      page,
+    );
   },
   drag: ({ end }) => plate(`${wordOf(end)} ${ui.span[end]}`, x(ui.span[end]), RULER + 12),
 };
@@ -62,14 +66,19 @@ function draw({ bottom }) {
   if (!hasSpan()) return nothing;
   const { first, last } = ui.span;
   const end = right() + MARGIN;
-  const [from, to] = [first === null ? GUTTER : clamp(x(first), GUTTER, end), last === null ? end : clamp(x(last), GUTTER, end)];
-  const shade = (left, wide) => (wide > 0
-    ? svg`<rect class="outside ruler" x=${left} y="0" width=${wide} height=${RULER} />
+  const [from, to] = [
+    first === null ? GUTTER : clamp(x(first), GUTTER, end),
+    last === null ? end : clamp(x(last), GUTTER, end),
+  ];
+  const shade = (left, wide) =>
+    wide > 0
+      ? svg`<rect class="outside ruler" x=${left} y="0" width=${wide} height=${RULER} />
       <rect class="outside" x=${left} y=${RULER} width=${wide} height=${Math.max(0, bottom - RULER)} />`
-    : nothing);
+      : nothing;
   return svg`${first === null ? nothing : shade(GUTTER, from - GUTTER)}${last === null ? nothing : shade(to, end - to)}
     <rect class="within" x=${from} y=${RULER - 3} width=${Math.max(0, to - from)} height="3" />
     ${isSeen(first) ? bracket(from, -1, `In point ${first}`) : nothing}${isSeen(last) ? bracket(to, 1, `Out point ${last}`) : nothing}`;
 }
 
-const bracket = (at, side, title) => svg`<path class="spanend" d=${`M${at} ${TOP}h${side * 6}V${RULER}h${-side * 6}v-3h${side * 3}V${TOP + 3}h${-side * 3}z`}><title>${title}</title></path>`;
+const bracket = (at, side, title) =>
+  svg`<path class="spanend" d=${`M${at} ${TOP}h${side * 6}V${RULER}h${-side * 6}v-3h${side * 3}V${TOP + 3}h${-side * 3}z`}><title>${title}</title></path>`;
