@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+from importlib.util import find_spec
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from keypose.app.cli.arguments import COMMANDS
+from keypose.sample_videos.__main__ import SCRIPTS
 from keypose.sample_videos.make_pictures import GALLERY
 
 ROOT = Path(__file__).parents[1]
 READMES = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
+    *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")),
     *(ROOT / folder / "README.md" for folder in ("app", "tracker", "static", "tests")),
 ]
 LARGEST_GALLERY_BYTES = 600_000
@@ -75,3 +79,36 @@ def test_its_commands_are_those_that_there_are() -> None:
     text = (ROOT / "app" / "README.md").read_text("utf-8").partition("## What opens")[0]
     listed = dict(re.findall(r"^\| `([a-z]+)` \| (.+) \|$", text, re.M))
     assert listed == {name: summary for name, (_, summary) in COMMANDS.items()}
+
+
+def test_the_road_through_the_code_names_what_is_defined_there() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text("utf-8")
+    road = re.findall(r"^\| \d+ \| `([\w./]+)` `(\w+)` \|", text, re.M)
+    assert len(road) >= 10
+    defined = r"^\s*(?:export )?(?:async )?(?:def|class|function) {}\b"
+    absent = [
+        (file, name)
+        for file, name in road
+        if not re.search(defined.format(name), (ROOT / file).read_text("utf-8"), re.M)
+    ]
+    assert absent == []
+
+
+def test_the_commands_to_develop_with_name_what_there_is() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text("utf-8").partition("## Developing")[2]
+    commands = re.findall(r"^\| .* \| `([^`]+)` \|$", text, re.M)
+    assert len(commands) >= 8
+    for command in commands:
+        words = command.replace('"', "").split()
+        assert all((ROOT / word).exists() for word in words if "/" in word and word[0] not in ".o")
+        tools = [word.removeprefix(".venv/bin/") for word in words if word.startswith(".venv/bin/")]
+        assert all((Path(sys.executable).parent / tool).exists() for tool in tools)
+        modules = [after for before, after in pairwise(words) if before == "-m"]
+        assert all(find_spec(name) for name in modules if name.isidentifier() or "." in name)
+        sought = [after for before, after in pairwise(words) if before == "-k"]
+        assert all(name in (ROOT / words[words.index("-k") - 1]).read_text() for name in sought)
+
+
+def test_the_command_for_all_samples_runs_every_script_that_makes_one() -> None:
+    scripts = {path.stem for path in (ROOT / "sample_videos").glob("make_*.py")}
+    assert sorted(SCRIPTS) == sorted(scripts)
