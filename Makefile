@@ -1,4 +1,4 @@
-# run · test · check · bench · clean: the commands of README and CI, nothing else.
+# run · quick · test · check · bench · clean: the commands of README and CI, nothing else.
 # Another interpreter:  make run PYTHON=python3.12
 
 PYTHON ?= python3
@@ -7,12 +7,16 @@ NODE_TOOLS = tests/page/node_modules
 # The page's scripts and their tests, but what others wrote, and what is written from the orders.
 SCRIPTS = 'static/**/*.js' 'tests/page/*.js' '!static/vendor/**' '!static/store/orders.js'
 
-.PHONY: run test browser loops check check-types check-rest bench clean
+.PHONY: run quick test browser loops check check-types check-rest check-python bench clean
 .DEFAULT_GOAL := run
 
 # Open the page, which offers the samples; copies of them, and everything else, are kept in out/.
 run: .venv/.ready
 	@$(KEYPOSE) open --workspace out
+
+# In less than a minute: the checks that take seconds, and the tests nearest to what has changed.
+quick: .venv/.ready-dev build/names check-python
+	@.venv/bin/python -m tests.quick
 
 test: browser
 	@$(MAKE) --silent --no-print-directory --jobs=2 check loops
@@ -44,10 +48,12 @@ check: .venv/.ready-dev build/names
 check-types:
 	@.venv/bin/mypy --no-error-summary
 
-check-rest:
+check-python: .venv/.ready-dev
 	@.venv/bin/ruff check --quiet .
 	@.venv/bin/ruff format --check --quiet .
 	@.venv/bin/lint-imports --no-logo
+
+check-rest: check-python
 	@if node -e 'process.exit(parseInt(process.version.slice(1)) < 18 ? 1 : 0)' 2> /dev/null && command -v npm > /dev/null; then \
 	    $(MAKE) --silent --no-print-directory $(NODE_TOOLS)/.ready && \
 	    $(NODE_TOOLS)/.bin/eslint --config tests/page/eslint.config.js --max-warnings 0 static tests/page && \
