@@ -24,11 +24,7 @@ def true_poses() -> list[Keyframe]:
     return [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
 
 
-def save_sample(folder: Path, **fields: Any) -> Path:
-    """Save the sample beside its film, with these fields of its session; return its path."""
-    path = folder / "person" / "session.json"
-    path.parent.mkdir()
-    (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
-    session = load_session(PERSON / "session.json")
+def change_session(path: Path, **fields: Any) -> None:
+    """Save a session anew with these fields, and without keyframes of parts."""
+    session = load_session(path)
     save_session(session.changed({"part_keyframes": (), **fields}), path)
-    return path

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
 from keypose.tracker.body.joint_angles import joint_angles
 from keypose.tracker.storage.files import load_session
-from tests.browser.dense import PERSON, save_sample, true_poses
+from tests.browser.dense import PERSON, change_session, true_poses
 from tests.browser.interaction import screen, section, settled, until, until_counted, until_state
+from tests.browser.shared import desk
 
 
-@pytest.fixture
-def sample(tmp_path: Path) -> Path:
-    """The sample with its true motion as drafts."""
-    return save_sample(tmp_path, keyframes=(), drafts=tuple(true_poses()), results=None)
+@pytest.fixture(scope="module")
+def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    """The page of the sample with its true motion as drafts."""
+
+    def begin(path: Path) -> None:
+        change_session(path, keyframes=(), drafts=tuple(true_poses()), results=None)
+
+    folder = tmp_path_factory.mktemp("angles")
+    with desk(browser, folder, size=(1440, 900), begin=begin) as made:
+        yield made.page
 
 
 def knees() -> dict[str, list[float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterator
 
 import cv2
@@ -22,15 +23,13 @@ from tests.browser.shared import Desk, admit, desk, opened
 
 PIXELS = """
 () => {
-  const canvas = document.querySelector('#main canvas.figure');
-  const { width, height } = canvas;
-  const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
   const { window: seen } = window.keypose.view('main');
-  const kept = Array.from(data);
-  return { data: kept, width, height, corner: seen.fromPlane([0, 0]), scale: seen.scale };
+  const png = document.querySelector('#main canvas.figure').toDataURL();
+  return { png: png.split(',')[1], corner: seen.fromPlane([0, 0]), scale: seen.scale };
 }
 """
-"""RGBA of the painted body, and where the picture's first pixel lies on it."""
+"""The painted body as a PNG, which comes in a hundredth of the time of a list of numbers, and
+where the picture's first pixel lies on it."""
 
 VISER_IN = "() => document.querySelectorAll('.view[data-view=main] iframe.viser').length"
 FRAMES_SHOWN = """
@@ -55,7 +54,10 @@ def _painted(page: Page) -> NDArray[np.float64]:
     answered(page)
     settled(page)
     seen = page.evaluate(PIXELS)
-    rgba = np.reshape(seen["data"], (seen["height"], seen["width"], 4))
+    png = np.frombuffer(base64.b64decode(seen["png"]), np.uint8)
+    bgra = cv2.imdecode(png, cv2.IMREAD_UNCHANGED)
+    assert bgra is not None
+    rgba = bgra[..., [2, 1, 0, 3]]
     camera = section(page, "camera")
     columns, rows = np.arange(camera["width"]), np.arange(camera["height"])
     x = np.rint(seen["corner"][0] + columns * seen["scale"] - 0.5).astype(int)

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
-from tests.browser.dense import save_sample, true_poses
+from tests.browser.dense import change_session, true_poses
 from tests.browser.interaction import answered, screen, section, until, until_counted, until_state
+from tests.browser.shared import desk
 
 
 @pytest.fixture
-def sample(tmp_path: Path) -> Path:
-    """The sample with a draft at every frame but its first and last, which are keyframes."""
-    dense = true_poses()
-    drafts = [draft.model_copy(update={"drafted": True}) for draft in dense[1:-1]]
-    return save_sample(tmp_path, keyframes=(dense[0], dense[-1]), drafts=tuple(drafts))
+def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
+    """The page of the sample with drafts between its first and last frame, which are keyframes."""
+
+    def begin(path: Path) -> None:
+        first, *between, last = true_poses()
+        drafts = tuple(draft.model_copy(update={"drafted": True}) for draft in between)
+        change_session(path, keyframes=(first, last), drafts=drafts)
+
+    with desk(browser, tmp_path, size=(1440, 900), begin=begin) as made:
+        yield made.page
 
 
 def is_found(reported: Any) -> bool:
