@@ -32,7 +32,7 @@ settings.load_profile("ci" if os.environ.get("CI") else "here")
 BROWSER = "tests/browser/"
 LONGEST = tuple(
     f"{BROWSER}test_{name}.py"
-    for name in ("surface", "restart", "tabs_and_reload", "steady", "whole_job", "fit_here")
+    for name in ("restart", "steady", "everyone", "surface", "tabs_and_reload", "guide")
 )
 """The files that take longest begin first, or one worker would end alone."""
 MOST_WORKERS = 8
@@ -64,16 +64,17 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling | None:
-    """With `--dist loadfile` one worker begins with all that uses a browser and the others with the
-    rest, file by file; who has done theirs helps with what is left. Two browsers that draw 3D by
-    software at once slow each other down, and each must be started."""
+    """With `--dist loadfile` half of the workers begin with all that uses a browser and the others
+    with the rest, file by file; who has done theirs helps with what is left. One worker alone would
+    end last, as a test, its page and its server wait for each other; not all begin with the page,
+    as each has to start a browser and a server of its own."""
     if config.getvalue("dist") != "loadfile":
         return None
     from xdist.scheduler import LoadFileScheduling
 
     class BrowserApart(LoadFileScheduling):
         def _assign_work_unit(self, node: WorkerController) -> None:
-            mine = node is self.nodes[0]
+            mine = node in self.nodes[: (len(self.nodes) + 1) // 2]
             files = [*(file for file in LONGEST if file in self.workqueue), *self.workqueue]
             wanted = [file for file in files if file.startswith(BROWSER) == mine] or files
             if wanted:
