@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +12,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
 from keypose.app.scene.viser_compat import SUBPROTOCOL
-from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor, family
+from tests.app.serving import Keypose, Visitor, family
 from tests.browser.interaction import section
 from tests.browser.other_site import OtherSite, other_site
 from tests.browser.proxy import Proxy, proxy
@@ -370,16 +368,6 @@ def test_there_is_one_port_and_viser_has_none(doors: Doors) -> None:
     processes = family(doors.keypose.process.pid)
     inodes = {inode for pid in processes for inode in _sockets(pid)}
     assert _listening(inodes) == {("127.0.0.1", doors.keypose.port)}
-
-
-@pytest.mark.parametrize("host", ["0.0.0.0", "192.0.2.7", "::"])
-def test_an_address_that_others_reach_needs_an_explicit_word(host: str) -> None:
-    command = [sys.executable, "-m", "keypose.app", "open", "--no-browser", "--host", host]
-    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=LONGEST_S)
-    assert ended.returncode == 2
-    assert "ssh -L 8090:127.0.0.1:8090" in ended.stderr
-    assert "--let-others-in" in ended.stderr
-    assert ended.stdout == ""
 
 
 def _sockets(pid: int) -> set[str]:

@@ -193,6 +193,16 @@ def test_a_second_address_of_this_computer_can_be_served_alone(tmp_path: Path) -
         tab.leave()
 
 
+@pytest.mark.parametrize("host", ["0.0.0.0", "192.0.2.7", "::"])
+def test_an_address_that_others_reach_needs_an_explicit_word(host: str) -> None:
+    command = [sys.executable, "-m", "keypose.app", "open", "--no-browser", "--host", host]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=LONGEST_S)
+    assert ended.returncode == 2
+    assert "ssh -L 8090:127.0.0.1:8090" in ended.stderr
+    assert "--let-others-in" in ended.stderr
+    assert ended.stdout == ""
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
