@@ -12,7 +12,9 @@ import sys
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path, PurePosixPath
+from posixpath import commonpath
 
 import pytest
 
@@ -39,9 +41,8 @@ TIME_IS_UP = "the time of a quick run is up"
 class Choice:
     """Test files, the nearest first, and what is not tested now; paths from the project's root.
 
-    edited: tests that have changed.  own: of changed files, by place and name.  importing: whose
-    first lines name a changed module.  browser: tests that need one.  untested: changed files that
-    none of these belongs to.
+    edited: tests that have changed.  own: of changed files, by place and name.  importing: that name
+    a changed module.  browser: that need one.  untested: changed files that none of these is for.
     """
 
     edited: tuple[str, ...] = ()
@@ -70,7 +71,7 @@ def choose(changed: Iterable[str], root: Path = ROOT) -> Choice:
         module = _module(PurePosixPath(path))
         importers = [test for test, names in imports.items() if module in names]
         own += mirrored
-        importing += importers
+        importing += sorted(importers, key=partial(_distance, path))
         if not mirrored and not importers:
             untested.append(path)
     groups, seen = [], set[str]()
@@ -95,7 +96,7 @@ def _own_tests(path: PurePosixPath, root: Path) -> list[str]:
         is_helper = path.suffix == ".py" and path.name != "conftest.py"
         return [] if is_helper else _tests(root, str(path.parent), "test_*.py")
     if path.parts[0] not in MIRRORED:
-        return []
+        return _tests(root, "tests", f"test_{path.parts[0]}.py")
     names = [path.stem]
     for folder in path.parents[:-1]:
         place = str("tests" / folder)
@@ -104,6 +105,11 @@ def _own_tests(path: PurePosixPath, root: Path) -> list[str]:
             return named or all_here
         names.append(folder.name)
     return []
+
+
+def _distance(path: str, test: str) -> int:
+    """Less, the more folders of a file are those of a test."""
+    return -commonpath((f"tests/{path}", test)).count("/")
 
 
 def _tests(root: Path, folder: str, pattern: str) -> list[str]:

@@ -12,6 +12,7 @@ import pytest
 from tests.quick import ROOT, Choice, changed_files, choose, words
 
 TREE = {
+    "tests/app/cli/test_open.py": "import keypose.app.store.ahead",
     "tests/app/store/test_ahead.py": "from keypose.app.store import ahead",
     "tests/app/store/test_ahead_again.py": "import numpy as np",
     "tests/app/store/test_tabs.py": "from keypose.app.store.ahead import Ahead",
@@ -20,6 +21,7 @@ TREE = {
     "tests/browser/test_tabs.py": "from tests.app.serving import Keypose",
     "tests/page/test_modules.py": "import keypose.static",
     "tests/page/edits.test.js": "",
+    "tests/test_examples.py": "",
     "tests/test_readmes.py": "",
     "tests/tracker/fitting/test_pose.py": "",
     "tests/tracker/fitting/test_sizes.py": "def test():\n    from tests.app import serving",
@@ -43,12 +45,12 @@ def root(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("changed", "choice"),
     [
-        # By its name, and whoever imports it; none twice.
+        # By its name, and whoever imports it, the nearest first; none twice.
         (
             "app/store/ahead.py",
             Choice(
                 own=(f"{PLACE}ahead.py", f"{PLACE}ahead_again.py"),
-                importing=(f"{PLACE}tabs.py",),
+                importing=(f"{PLACE}tabs.py", "tests/app/cli/test_open.py"),
             ),
         ),
         # Without tests of its name: those of its folder.
@@ -59,6 +61,7 @@ def root(tmp_path: Path) -> Path:
         # Of a package that has a test file instead of a folder.
         ("tracker/fitting/pose/step.py", Choice(own=("tests/tracker/fitting/test_pose.py",))),
         ("tracker/video/models/net.bin", Choice(own=("tests/tracker/video/test_video.py",))),
+        ("examples/1_track.py", Choice(own=("tests/test_examples.py",))),
         ("bench/up.py", Choice(own=("tests/bench/test_up.py",))),
         ("static/store/edits.js", Choice(own=("tests/page/test_modules.py",))),
         ("static/__init__.py", Choice(own=("tests/page/test_modules.py",))),
@@ -89,8 +92,8 @@ def test_a_change_is_tested_by_its_own_tests_and_by_those_that_import_it(
 
 def test_a_test_that_several_changes_ask_for_runs_once(root: Path) -> None:
     changed = ["app/store/ahead.py", "app/store/other.py", f"{PLACE}tabs.py"]
-    tests = choose(changed, root).tests
-    assert tests == (f"{PLACE}tabs.py", f"{PLACE}ahead.py", f"{PLACE}ahead_again.py")
+    own = (f"{PLACE}tabs.py", f"{PLACE}ahead.py", f"{PLACE}ahead_again.py")
+    assert choose(changed, root).tests == (*own, "tests/app/cli/test_open.py")
 
 
 def test_one_line_says_what_is_run_and_what_is_left_out() -> None:
