@@ -11,8 +11,9 @@ from contextlib import contextmanager
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
 from keypose.app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
-from keypose.app.editor.ahead import followed_session, found_sentence, start_frame, up_to_date
+from keypose.app.editor.ahead import followed_session, found_sentence, start_frame
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.outdated import up_to_date
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, model_validato
 from keypose.app.editor import (
     body,
     camera,
-    copied,
+    copy_paste,
     floor,
     keyframes,
     moving_camera,
@@ -320,7 +320,7 @@ MESSAGES = tuple(
     for subject in (
         body,
         camera,
-        copied,
+        copy_paste,
         floor,
         keyframes,
         moving_camera,

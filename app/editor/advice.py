@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
-from keypose.app.editor.ahead import stands, tracked_to, why_stopped
+from keypose.app.editor.ahead import tracked_to, why_stopped
+from keypose.app.editor.outdated import stands
 from keypose.app.words.problems import add_keyframe, detail_of, frame_range, named_frames, reason
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.review.problems import (

@@ -1,4 +1,4 @@
-"""Take over poses found by tracking ahead as one step, drop outdated ones, say how far it came.
+"""Take over poses found by tracking ahead as one step, and say how far it came.
 
 They are drafts beyond the last keyframe, or before the first, with a record of how far they reach
 and why no farther. Both go together, with the edit that makes them outdated: another pose of the
@@ -11,17 +11,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from keypose.app.editor.documents import ActionRefused, keyframe_of, with_drafts
+from keypose.app.editor.outdated import without_records
+from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import readable
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.annotations import Ahead, Direction, Stop, StopCause
-from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.fingerprints import ahead_key
 
 if TYPE_CHECKING:
-    from keypose.app.editor.state import EditorState
     from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 
@@ -115,7 +115,7 @@ def followed_session(
     """
     skeleton = Skeleton.of(doc.subject.body)
     first, last = min(frame, to_frame), max(frame, to_frame)
-    doc = _without(
+    doc = without_records(
         doc, [record for record in doc.subject.ahead if _same_way(record, frame, to_frame)]
     )
     own = {k.frame for k in doc.subject.keyframes}
@@ -147,39 +147,6 @@ def with_followed(state: EditorState, found: FoundAhead) -> EditorState:
     given = found.frame, found.motion, found.to_frame, found.stop
     doc = followed_session(state.doc, *given, state.times_s)
     return state.with_step(doc, LABEL)
-
-
-def up_to_date(doc: Session) -> Session:
-    """Without what was followed from a keyframe that is posed otherwise now, or is no longer the
-    last one, or the first, that way."""
-    outdated = [record for record in doc.subject.ahead if not stands(doc, record)]
-    return _without(doc, outdated) if outdated else doc
-
-
-def without_followed(doc: Session) -> Session:
-    """Without anything that was tracked ahead."""
-    return _without(doc, list(doc.subject.ahead))
-
-
-def stands(doc: Session, record: Ahead) -> bool:
-    """Whether what was followed still leads on from where the keyframes end."""
-    if not doc.subject.keyframes:
-        return False
-    keyframe: Keyframe = doc.subject.keyframes[-1 if record.is_forward else 0]
-    return keyframe.frame == record.from_frame and record.key == ahead_key(doc, keyframe)
-
-
-def _without(doc: Session, records: list[Ahead]) -> Session:
-    if not records:
-        return doc
-    kept = tuple(record for record in doc.subject.ahead if record not in records)
-    spans = [record.span for record in records]
-    drafts = [
-        draft
-        for draft in doc.subject.drafts
-        if not (draft.followed and any(a <= draft.frame <= b for a, b in spans))
-    ]
-    return with_drafts(doc.changed({"ahead": kept}), drafts)
 
 
 def _same_way(record: Ahead, frame: int, to_frame: int) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -17,9 +17,6 @@ from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FARTHEST_M
 from keypose.tracker.storage import changes
-
-if TYPE_CHECKING:
-    from keypose.app.editor.state import EditorState
 
 
 class ActionRefused(KeyposeError):
@@ -42,10 +39,11 @@ def valid(kind: type[Model], values: Mapping[str, Any]) -> Model:
         raise ActionRefused(one_sentence(error)) from None
 
 
-def require_in_video(state: EditorState, frame: int) -> int:
+def require_in_video(doc: Session, frame: int) -> int:
     """A frame that the video has; refused where it has not."""
-    if frame >= state.frame_count:
-        raise ActionRefused(f"The video has frames 0 to {state.frame_count - 1}.")
+    frame_count = doc.view.video.frame_count
+    if frame >= frame_count:
+        raise ActionRefused(f"The video has frames 0 to {frame_count - 1}.")
     return frame
 
 

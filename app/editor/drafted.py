@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
-from keypose.app.editor.ahead import without_followed
 from keypose.app.editor.documents import (
     ActionRefused,
     keyframe_of,
@@ -16,6 +15,7 @@ from keypose.app.editor.documents import (
     with_drafts,
     with_keyframes,
 )
+from keypose.app.editor.outdated import without_followed
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
 from keypose.tracker.body.modify import unscaled, without_clavicles

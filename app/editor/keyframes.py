@@ -326,7 +326,7 @@ def _listed(frames: list[int]) -> str:
 def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
     """The keyframe at another frame, where it stands in the world, which is no draft of that;
     refused outside the video, or behind the camera."""
-    time_s = float(state.times_s[require_in_video(state, frame)])
+    time_s = float(state.times_s[require_in_video(state.doc, frame)])
     if frame == keyframe.frame:
         return keyframe.model_copy(update={"time_s": time_s})
     update: dict[str, object] = {"frame": frame, "time_s": time_s, "drafted": False}

@@ -6,7 +6,7 @@ that was changed in another way has none.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from keypose.app.editor.message import Degrees, Edit
 from keypose.app.editor.part_keyframes import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
 from keypose.app.editor.shown import draft_at, find, poses_beside, require_keyframe, shown_pose
-from keypose.app.editor.state import EditorState
+from keypose.app.editor.state import EditorState, PosedByCorners
 from keypose.app.posing import (
     BoxCorner,
     Gesture,
@@ -42,7 +42,6 @@ from keypose.app.posing import (
 from keypose.app.posing.gesture import Metres, Surface
 from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.keyframe import Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FrameIndex
@@ -50,16 +49,6 @@ from keypose.tracker.solver.depth_turn import depths_m, strays, turned_in_depth,
 
 REMEMBERED = 100
 _SAME = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class PosedByCorners:
-    """The pose of a frame, seen by a camera, that some corners led to."""
-
-    frame: int
-    pose: Pose
-    camera: Camera
-    corners: tuple[PlacedCorner, ...]
 
 
 def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:

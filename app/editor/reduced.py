@@ -14,7 +14,6 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from keypose.app.editor.ahead import up_to_date
 from keypose.app.editor.documents import (
     ActionRefused,
     keyframe_of,
@@ -22,6 +21,7 @@ from keypose.app.editor.documents import (
     with_keyframes,
     with_part_keyframes,
 )
+from keypose.app.editor.outdated import up_to_date
 from keypose.app.editor.part_keyframes import limbs_of
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.skeleton import Skeleton

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.app.editor.ahead import up_to_date
+from keypose.app.editor.copied import Copied
 from keypose.app.editor.documents import require_sound
 from keypose.app.editor.frames import even_motion, first_pose
-from keypose.app.posing import Readout
+from keypose.app.editor.outdated import up_to_date
+from keypose.app.posing import PlacedCorner, Readout
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import displaced
@@ -28,8 +29,6 @@ from keypose.tracker.storage.sidecars import OwnMotion
 from keypose.tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
-    from keypose.app.editor.copied import Copied
-    from keypose.app.editor.posing import PosedByCorners
     from keypose.tracker.video.info import Timecode
 
 
@@ -72,6 +71,16 @@ class Previews:
 
     gesture: str = ""
     by_span: Mapping[Span, SegmentResult] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class PosedByCorners:
+    """The pose of a frame, seen by a camera, that some corners led to."""
+
+    frame: int
+    pose: Pose
+    camera: Camera
+    corners: tuple[PlacedCorner, ...]
 
 
 @dataclass(frozen=True, eq=False)

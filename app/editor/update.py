@@ -222,7 +222,7 @@ def _edit(state: EditorState, action: Edit) -> EditorState:
     if action.stroke in state.over:
         return state  # it would be applied a second time, to what it has led to
     for frame in action.frames_named:
-        require_in_video(state, frame)
+        require_in_video(state.doc, frame)
     if not _is_under_way(state, action.stroke):
         state = end_stroke(state)
     before = state

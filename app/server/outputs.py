@@ -13,7 +13,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from keypose.app.editor.copied import copied_from
+from keypose.app.editor.copy_paste import copied_from
 from keypose.app.editor.frames import pointer_views
 from keypose.app.editor.message import Message
 from keypose.app.editor.motion import feet_paths

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from keypose.app.editor.copied import PastePose
+from keypose.app.editor.copy_paste import PastePose
 from keypose.app.editor.keyframes import AddKey
 from keypose.app.editor.message import Editing, Look
 from keypose.app.editor.posing import Angles, Drag, Face, Root, TakeTracked

@@ -9,7 +9,8 @@ from pathlib import Path
 from keypose.app.document.library import Library
 from keypose.app.document.library.poses import KeptPose, PoseShelf
 from keypose.app.editor import actions
-from keypose.app.editor.copied import Copied, PastePose
+from keypose.app.editor.copied import Copied
+from keypose.app.editor.copy_paste import PastePose
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.notes import Rename
 from keypose.app.editor.shown import shown_pose
