@@ -19,7 +19,12 @@ from keypose.app.store.sections import Sections
 from keypose.app.store.state import AppState
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
-from keypose.tracker.session.evidence import EVIDENCE_KINDS, ByEvidence, FilmEvidence
+from keypose.tracker.session.evidence import (
+    EVIDENCE_KINDS,
+    ByEvidence,
+    EvidenceSource,
+    FilmEvidence,
+)
 from keypose.tracker.storage import evidence as storage
 from keypose.tracker.storage.edit_history import is_same_film, mark_of
 from keypose.tracker.storage.evidence.files import FilmFiles
@@ -52,7 +57,7 @@ class TwoFilms(FilmEvidence):
     run_fields = ("second",)
 
     @classmethod
-    def of(cls, session: Session) -> TwoFilms | None:
+    def of(cls, session: EvidenceSource) -> TwoFilms | None:
         return cls(session.view.video) if "second" in (session.model_extra or {}) else None
 
 

@@ -15,7 +15,17 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, Self, TypeAlias, TypeVar
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Generic,
+    Literal,
+    Protocol,
+    Self,
+    TypeAlias,
+    TypeVar,
+)
 
 import numpy as np
 
@@ -25,12 +35,25 @@ from keypose.tracker.geometry.rotations import Array, frozen
 if TYPE_CHECKING:
     from keypose.tracker.session.keyframe import Keyframe
     from keypose.tracker.session.references import Surface, VideoReference
-    from keypose.tracker.session.schema import Session
+    from keypose.tracker.session.views import View
 
 T = TypeVar("T")
 Frames: TypeAlias = Collection[int]
 Fields: TypeAlias = dict[str, Any]
 """Fields of a session with other values."""
+
+
+class EvidenceSource(Protocol):
+    """What of a session says which evidence it has; `schema.Session` is one."""
+
+    @property
+    def view(self) -> View: ...
+
+    @property
+    def model_extra(self) -> dict[str, Any] | None: ...
+
+    @property
+    def evidence(self) -> Evidence: ...
 
 
 @dataclass(frozen=True)
@@ -94,7 +117,7 @@ class Evidence(ABC):
 
     @classmethod
     @abstractmethod
-    def of(cls, session: Session) -> Self | None:
+    def of(cls, session: EvidenceSource) -> Self | None:
         """The session's; None where that has another kind."""
 
     # --- keyframes and segments
@@ -198,7 +221,7 @@ class FilmEvidence(Evidence):
     residual_unit = "px"
 
     @classmethod
-    def of(cls, session: Session) -> Self | None:
+    def of(cls, session: EvidenceSource) -> Self | None:
         return cls(session.view.video) if session.view.surface is None else None
 
     def open_ends(self, keyed: Frames, reached: Frames | None = None) -> tuple[int, ...]:
@@ -240,7 +263,7 @@ class SurfaceEvidence(Evidence):
         self.surface = surface
 
     @classmethod
-    def of(cls, session: Session) -> Self | None:
+    def of(cls, session: EvidenceSource) -> Self | None:
         return (
             None if session.view.surface is None else cls(session.view.video, session.view.surface)
         )
@@ -300,13 +323,13 @@ EVIDENCE_KINDS: tuple[type[Evidence], ...] = (SurfaceEvidence, FilmEvidence)
 """The first kind that fits a session is its evidence."""
 
 
-def evidence_of(session: Session) -> Evidence:
+def evidence_of(session: EvidenceSource) -> Evidence:
     """What the session's body is compared with."""
     found = (kind.of(session) for kind in EVIDENCE_KINDS)
     return next(evidence for evidence in found if evidence is not None)
 
 
-def surface_of(session: Session) -> Surface:
+def surface_of(session: EvidenceSource) -> Surface:
     """How the surfaces of a session are read; TypeError where it is not about such."""
     if session.view.surface is None:
         raise TypeError("the session is not about surfaces")
@@ -322,7 +345,7 @@ class ByEvidence(Generic[T]):
     def __init__(self, known: Mapping[type[Evidence], T]) -> None:
         self._known = known
 
-    def of(self, session: Session) -> T:
+    def of(self, session: EvidenceSource) -> T:
         """The entry for a session's evidence; TypeError where there is none."""
         kind = type(session.evidence)
         for one in kind.__mro__:
