@@ -2,14 +2,8 @@
 // answered. Rows stay where they are until the next N: nothing moves under a pointer.
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
-/** @typedef {'accepted' | 'corrected' | 'unclear'} Answer */
-
-/**
- * @typedef {object} ReviewList
- * @property {ReviewPlace[]} rows  As they were ranked last; answered ones stay among them until the next N.
- * @property {string | null} current  The row's id; null where nothing is left.
- * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
- */
+/** @typedef {import('../store/shapes.js').ReviewList} ReviewList */
+/** @typedef {import('../store/shapes.js').Answer} Answer */
 
 /** Long enough to see what was corrected; as long as the pointer stays on the body, where another drag
  * may follow, up to three times as long. */

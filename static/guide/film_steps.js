@@ -150,7 +150,7 @@ function distance() {
 /** What counts as an answer to the question of the lens. */
 const ANSWERS = ['person', 'calibration', 'fitted', 'turns', 'guess'];
 
-/** @type {import('./steps.js').Step[]} */
+/** @type {import('./step.js').Step[]} */
 const IN_FILM = [
   {
     word: 'Lens',

@@ -274,8 +274,8 @@ function coach() {
 }
 
 /**
- * @param {import('./steps.js').Step} step
- * @param {import('./steps.js').Choice} choice
+ * @param {import('./step.js').Step} step
+ * @param {import('./step.js').Choice} choice
  */
 function choiceButton(step, { label, title, act, ends }) {
   const choose = () => {

@@ -37,7 +37,7 @@ function notice() {
 
 /**
  * The handles that are still to be dragged in this step: [{handle, at}, …], those in sight.
- * @param {import('./steps.js').Step} [step]
+ * @param {import('./step.js').Step} [step]
  */
 function spotsOf({ takes } = {}) {
   if (!takes) return [];

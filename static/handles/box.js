@@ -48,7 +48,7 @@ function gripAt(view, at) {
 
 const isInside = (view, at) => Boolean(ui.box && at && holds(onScreen(view), at));
 
-/** @type {import('./sketch.js').Tool} */
+/** @type {import('./drawing_tool.js').Tool} */
 export const box = {
   icon: 'wand',
   hints: [

@@ -42,7 +42,7 @@ function offLine([[ax, ay], [bx, by]], [x, y]) {
 /**
  * A tool that draws this line. `what` is the message with which it is sent; `words` say what to do.
  * @param {'horizon' | 'camera_horizon'} what  @param {() => string} words
- * @returns {import('./sketch.js').Tool}
+ * @returns {import('./drawing_tool.js').Tool}
  */
 function lineTool(what, words) {
   /** @param {Line} line */

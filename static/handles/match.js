@@ -35,7 +35,7 @@ function here() {
 const isFirst = () => first === null || first.frame === frame();
 const missing = () => (isFirst() ? FEWEST : first.spots.length) - (here()?.spots.length ?? 0);
 
-/** @type {import('./sketch.js').Tool} */
+/** @type {import('./drawing_tool.js').Tool} */
 export const cameraMatch = {
   icon: 'link',
   hints: [

@@ -9,7 +9,7 @@ import { distance, pathOf } from './space.js';
 const CLOSE_PX = 10;
 const SAME_PX = 4;
 
-/** @type {import('./sketch.js').Tool} */
+/** @type {import('./drawing_tool.js').Tool} */
 export const outline = {
   icon: 'loop',
   hints: [

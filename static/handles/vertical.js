@@ -14,7 +14,7 @@ let before = null;
 /** The first line, while the second is asked for. */
 const drawn = (view) => svg`<g class="sketch"><path d=${pathOf(before.map((spot) => view.fromView(spot)))} /></g>`;
 
-/** @type {import('./sketch.js').Tool} */
+/** @type {import('./drawing_tool.js').Tool} */
 export const vertical = {
   icon: 'mid',
   hints: [

@@ -129,7 +129,7 @@ function goals() {
 /** Whether joints that are right are off by more. */
 const tooLow = (px) => (server.review?.right_px ?? 0) > px;
 
-/** @param {ReviewPlace} row @param {import('../actions/review_list.js').Answer | undefined} answer */
+/** @param {ReviewPlace} row @param {import('../store/shapes.js').Answer | undefined} answer */
 function drawRow(list, row, answer) {
   const isCurrent = row.id === list.current;
   return html`<div class="rv-place ${isCurrent ? 'on' : ''} ${answer ? 'done' : ''}" role="listitem" aria-current=${isCurrent ? 'true' : nothing}>

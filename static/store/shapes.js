@@ -725,12 +725,21 @@
  * @property {{ width: number, height: number }} [timeSize]
  * @property {{ first: number, last: number }} [timeWindow]
  * @property {'shown' | 'over' | null} [zoomHint]
- * @property {import('../actions/review_list.js').ReviewList | null} [review]  Null while nothing is reviewed.
+ * @property {ReviewList | null} [review]  Null while nothing is reviewed.
  * @property {number | null} [reviewGoal]  As somebody chose it, pixels.
  * @property {boolean} [reviewLeft]  It was closed before its end.
  * @property {boolean} [reviewDone]  The places that were answered are listed.
  * @property {string | null} [reviewHeld]  A row that keeps its height while the pointer is on the list.
  * @property {boolean} [allInSpace]  All that is not plausible in space is listed, not the worst alone.
+ */
+
+/** @typedef {'accepted' | 'corrected' | 'unclear'} Answer  To a place of a review. */
+
+/**
+ * @typedef {object} ReviewList  What is reviewed, and what was answered.
+ * @property {ReviewPlace[]} rows  As they were ranked last; answered ones stay among them until the next N.
+ * @property {string | null} current  The row's id; null where nothing is left.
+ * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
  */
 
 /**

@@ -8,7 +8,7 @@ import { PLAYHEAD } from './draw/playhead.js';
 import { markOf, MARKS } from './marks.js';
 import { grabbed, hovered } from './pointer.js';
 
-/** What is dragged or hovered, over everything. @type {import('./marks.js').Layer} */
+/** What is dragged or hovered, over everything. @type {import('./mark.js').Layer} */
 const AT_HAND = {
   group: 'top',
   z: 20,

@@ -43,7 +43,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   drawing.addEventListener('mousedown', (event) => event.preventDefault());
 }
 
-/** @returns {import('./marks.js').Place} */
+/** @returns {import('./mark.js').Place} */
 function placeOf(event) {
   const box = element.getBoundingClientRect();
   return {

@@ -119,7 +119,7 @@ const rows = memoize((height, zoomed, lanes, weakest, pins, camera) =>
   rowsFor({ height, zoomed, lanes, weakest, pins, camera }),
 );
 
-/** @returns {import('./marks.js').Stage} */
+/** @returns {import('./mark.js').Stage} */
 function ground() {
   const folded = areFolded() || isCramped(ui.timeSize.height);
   const lanes = lanesOf(server.lanes, server.body, folded, ui.timeOpen);

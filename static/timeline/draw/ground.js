@@ -8,7 +8,7 @@ import { GUTTER, pxPerFrame, right, RULER, rulerStep, visible, x } from './scale
 import { hasCurve } from './curve.js';
 import { isScore } from '../marks/scores.js';
 
-/** @type {import('../marks.js').Layer[]} */
+/** @type {import('../mark.js').Layer[]} */
 export const GROUND = [
   { group: 'back', z: 0, from: () => [], draw: ({ rows }) => drawGround(rows) },
   { group: 'frames', z: 10, from: () => [], draw: ({ bottom }) => drawRuler(bottom) },

@@ -10,7 +10,7 @@ import { server } from '../../store/state.js';
 import { HOVERED } from '../marks/notes.js';
 import { GUTTER, right, RULER, x } from './scale.js';
 
-/** @type {import('../marks.js').Layer[]} */
+/** @type {import('../mark.js').Layer[]} */
 export const PLAYHEAD = [
   {
     group: 'frames',

@@ -27,7 +27,7 @@ const found = () => cameraFindings().filter(hasFrames);
 /** What the top of the row stands for, pixels. */
 const topOf = memoize((list) => Math.max(LEAST_TOP_PX, extent(numbers(list))?.high ?? 0));
 
-/** The row, and what is told of the frame under the pointer. @type {import('../marks.js').Mark} */
+/** The row, and what is told of the frame under the pointer. @type {import('../mark.js').Mark} */
 export const cameraLane = {
   kind: 'camera',
   row: 'camera',
@@ -58,7 +58,7 @@ export const cameraLane = {
   },
 };
 
-/** Frames of which something is doubtful. @type {import('../marks.js').Mark} */
+/** Frames of which something is doubtful. @type {import('../mark.js').Mark} */
 export const cameraFinding = {
   kind: 'camera_finding',
   row: 'camera',
@@ -76,7 +76,7 @@ export const cameraFinding = {
   },
 };
 
-/** A frame at which a person corrected the camera. @type {import('../marks.js').Mark} */
+/** A frame at which a person corrected the camera. @type {import('../mark.js').Mark} */
 export const cameraKey = {
   kind: 'camera_key',
   row: 'camera',

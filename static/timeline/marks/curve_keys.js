@@ -35,7 +35,7 @@ const layer = (group, z, draw, more = () => []) => ({
   draw: ({ rows }) => (isScore() ? nothing : draw(rows.curve)),
 });
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const curveKey = {
   kind: 'curvekey',
   layers: [
@@ -75,7 +75,7 @@ export const curveKey = {
   },
 };
 
-/** The whole drag is one stroke, so one step of undo. @returns {import('../marks.js').Gesture} */
+/** The whole drag is one stroke, so one step of undo. @returns {import('../mark.js').Gesture} */
 function grab(at, start, row) {
   const part = server.curve.part;
   const about = axis();

@@ -15,7 +15,7 @@ const WORD_PX = 44;
 /** Fewer drafts in a row are posed by hand. */
 const FEWEST = 3;
 
-/** A place to confirm. @type {import('../marks.js').Mark} */
+/** A place to confirm. @type {import('../mark.js').Mark} */
 export const draft = {
   kind: 'place',
   row: 'keys',

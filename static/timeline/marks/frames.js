@@ -19,7 +19,7 @@ function marked() {
   ];
 }
 
-/** Grab the playhead; what then is clicked settles it. @returns {import('../marks.js').Gesture} */
+/** Grab the playhead; what then is clicked settles it. @returns {import('../mark.js').Gesture} */
 export function scrub(start) {
   const follow = (place) => glideTo(snapped(place.x, place.ctrl ? [] : marked()));
   stopPlaying();
@@ -33,7 +33,7 @@ export function openFramesMenu(at, page) {
   openMenuAt(`Frame ${at}`, [heading(`Frame ${at}`), ...contextEntries('frames', { goTo: at, note: at })], page);
 }
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const frames = {
   kind: 'frames',
   hit: () => ({}),

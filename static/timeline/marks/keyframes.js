@@ -25,7 +25,7 @@ const CLOSE_PX = 10;
 
 const isAmongSelected = (at) => isSelected(at) && selectedKeys().length > 1;
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const keyframe = {
   kind: 'key',
   row: 'keys',
@@ -73,7 +73,7 @@ export const keyframe = {
 /**
  * Grab the keyframe at a frame, with Shift or Alt a copy of it. The edit is sent when the diamond is released:
  * on its way over other frames it would do nothing but outdate results.
- * @returns {import('../marks.js').Gesture}
+ * @returns {import('../mark.js').Gesture}
  */
 function grabKey(from, start) {
   const offset = x(from) - start.x;

@@ -9,7 +9,7 @@ import { frameAt, GUTTER, isIn, x } from '../draw/scale.js';
 
 /**
  * Pull a box over keyframes; with Shift or Ctrl they come beside those selected.
- * @returns {import('../marks.js').Gesture}
+ * @returns {import('../mark.js').Gesture}
  */
 export function grabBox(_, start) {
   const before = selectedKeys();
@@ -33,14 +33,14 @@ export function clickRow(_, place) {
   goTo(frameAt(place.x));
 }
 
-/** A box over the first keyframe begins beside it. @type {import('../marks.js').Mark} */
+/** A box over the first keyframe begins beside it. @type {import('../mark.js').Mark} */
 export const edge = {
   kind: 'edge',
   hit: ({ x: px }) => px < GUTTER && {},
   grab: (what, place, { rows }) => (isIn(rows.keys, place.y) ? grabBox(what, place) : null),
 };
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const keysRow = {
   kind: 'box',
   row: 'keys',

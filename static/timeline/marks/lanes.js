@@ -11,7 +11,7 @@ import { GUTTER, right } from '../draw/scale.js';
 import { extent, memoize, numbers, runsOf } from '../draw/series.js';
 import { frames, scrub } from './frames.js';
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const lane = {
   kind: 'lane',
   layers: [

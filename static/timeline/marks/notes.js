@@ -18,7 +18,7 @@ const REACH_PX = 7;
 /** Letters of a note that are shown where it is pointed at. */
 export const HOVERED = 90;
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const note = {
   kind: 'note',
   layers: [{ group: 'frames', z: 200, from: () => [server.notes, held('note')?.from], draw: drawNotes }],

@@ -7,7 +7,7 @@ import { lastFrame } from '../../store/clip.js';
 import { left, OVERVIEW, right, RULER } from '../draw/scale.js';
 import { frame, keyFrames } from '../../actions/playhead.js';
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const overview = {
   kind: 'overview',
   layers: [{ group: 'above', z: 110, from: () => [server.segments, server.keys, frame()], draw: drawOverview }],

@@ -18,7 +18,7 @@ const REACH_PX = 11;
 
 const isHere = ({ frame: at }) => !onTheWay().includes(at);
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const partKeyframe = {
   ...keyframe,
   kind: 'part',

@@ -19,7 +19,7 @@ import { memoize } from '../draw/series.js';
 import { plate } from '../draw/glyphs.js';
 import { held, hovered } from '../pointer.js';
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const pin = {
   kind: 'pin',
   layers: [
@@ -79,7 +79,7 @@ export const pin = {
   },
 };
 
-/** A pin that waits to be accepted: a click goes there. @type {import('../marks.js').Mark} */
+/** A pin that waits to be accepted: a click goes there. @type {import('../mark.js').Mark} */
 export const proposal = {
   kind: 'proposal',
   hit(place, { rows }) {

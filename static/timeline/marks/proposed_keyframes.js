@@ -8,7 +8,7 @@ import { seenOf, x } from '../draw/scale.js';
 import { extent, numbers, runsOf } from '../draw/series.js';
 import { diamond } from '../draw/glyphs.js';
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const proposedKeyframes = {
   kind: 'proposed',
   layers: [

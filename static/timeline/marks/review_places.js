@@ -11,7 +11,7 @@ import { scrub } from './frames.js';
 const HALF = 4;
 const REACH_PX = 7;
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const reviewPlace = {
   kind: 'review',
   layers: [

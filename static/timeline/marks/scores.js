@@ -24,7 +24,7 @@ const layer = (group, draw) => ({
   draw: ({ rows }) => (isScore() ? draw(rows.curve) : nothing),
 });
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const scoreChart = {
   kind: 'score',
   layers: [layer('frames', drawScores), layer('above', drawScoreLabels)],

@@ -16,7 +16,7 @@ import { singleDrafts } from './drafts.js';
 import { elsewhere } from './keyframes.js';
 import { clickRow, grabBox } from './keys_row.js';
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const segment = {
   kind: 'segment',
   row: 'keys',

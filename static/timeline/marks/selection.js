@@ -23,7 +23,7 @@ const NONE = [];
 /** Those that are shown as selected: none while they are on their way. */
 export const chosenKeys = () => (held('keys') ? NONE : selectedKeys());
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const selection = {
   kind: 'keys',
   row: 'keys',
@@ -76,7 +76,7 @@ export function grabKeys(at, start) {
   );
 }
 
-/** @returns {import('../marks.js').Gesture} */
+/** @returns {import('../mark.js').Gesture} */
 function carry(frames, what, moved) {
   stopPlaying();
   return {

@@ -17,7 +17,7 @@ const REACH_PX = 9;
 
 const wordOf = (end) => (end === 'first' ? 'In' : 'Out');
 
-/** @type {import('../marks.js').Mark} */
+/** @type {import('../mark.js').Mark} */
 export const span = {
   kind: 'span',
   layers: [{ group: 'frames', z: 180, from: () => [ui.span], draw }],
