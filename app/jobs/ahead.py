@@ -10,6 +10,7 @@ from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
+from keypose.app.state.outcomes import Following
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
@@ -18,16 +19,8 @@ if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import TrackAhead
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
     from keypose.tracker.tracking.ahead.follow import FoundAhead
-
-
-@dataclass(frozen=True, eq=False)
-class Following:
-    """The motion so far, from the keyframe at a frame."""
-
-    frame: int
-    motion: Trajectory
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import FindCamera as Asked
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
     from keypose.tracker.camera_motion import CameraKind
     from keypose.tracker.storage.camera_motion import FoundCamera
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING, Self
 
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
+from keypose.app.state.outcomes import Boxes
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.video.info import MissingFrame
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.state import EditorState
-
-Boxes: TypeAlias = tuple[Box, ...]
-"""Around everybody in a picture, the tallest first."""
 
 
 @dataclass(frozen=True)

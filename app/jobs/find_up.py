@@ -10,6 +10,7 @@ import numpy as np
 
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
+from keypose.app.state.outcomes import FoundUp
 from keypose.app.words.up import nothing_words, unsure_words, up_words
 from keypose.tracker.session import Session
 from keypose.tracker.storage.fingerprints import Span
@@ -21,29 +22,13 @@ if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import FindUp as Asked
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
-    from keypose.tracker.geometry.up import UpEstimate, UpEvidence
+    from keypose.app.state.app_state import AppState
+    from keypose.tracker.geometry.up import UpEvidence
     from keypose.tracker.video.upright_lines import UprightLines
 
 LABEL: Final = "find the up direction"
 PICTURES: Final = 3
 """Pictures in which upright lines are looked for."""
-
-
-@dataclass(frozen=True, eq=False)
-class FoundUp:
-    """What was found of up, until something else is edited.
-
-    estimate: in the world; None where nothing shows it.  lines: upright ones that agree, None where
-    few do or nobody looked.  frame: in which these are seen, of a camera that moves; None where it
-    stands still.  after: the document with it.  seen: what lines of the whole film show.
-    """
-
-    estimate: UpEstimate | None
-    lines: UprightLines | None = None
-    frame: int | None = None
-    after: Session | None = None
-    seen: UpEvidence | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from keypose.app.editor.documents import unchanged
-from keypose.app.jobs.job import Context, Job, Kind
+from keypose.app.jobs.job import Context, Job
+from keypose.app.state.job_state import Kind
 from keypose.tracker.errors import SurfaceError
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -14,7 +15,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
 
 
 def filmed_by(doc: Session) -> tuple[Any, ...]:

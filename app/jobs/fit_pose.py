@@ -13,6 +13,7 @@ from keypose.app.editor.posing import pose_to_fit, with_pose_fitted
 from keypose.app.editor.shown import find, shown_pose
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
+from keypose.app.state.outcomes import FitOutcome
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe, Session
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import FitHere
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
 
 SAME = 1e-9
 """Poses that differ by less are the same."""
@@ -42,21 +43,6 @@ class FoundPose:
     pose: Pose
     found: bool
     words: str
-
-
-@dataclass(frozen=True, eq=False)
-class FitOutcome:
-    """What the last fit of a pose did, until something else is edited.
-
-    frame: of the pose.
-    before, after: the documents.  looking_back: `before` is shown just now.
-    """
-
-    frame: int
-    words: str
-    before: Session
-    after: Session
-    looking_back: bool = False
 
 
 @dataclass(frozen=True)

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from pydantic import ValidationError
 
 from keypose.app.jobs.wire import failure_message
+from keypose.app.state.job_state import Kind
 from keypose.tracker.errors import one_sentence
-from keypose.tracker.session.verdict import Kind as VerdictKind
 from keypose.tracker.tracking.pool import Cancelled, never
 
 if TYPE_CHECKING:
     from keypose.app.jobs.worker_cache import WorkerCache
-
-Kind: TypeAlias = Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts", "camera"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,23 +81,6 @@ class Context:
         """Raise Cancelled once somebody has cancelled."""
         if self.cancelled():
             raise Cancelled
-
-
-@dataclass(frozen=True)
-class JobState:
-    """What the worker is doing, in words; seconds_left is None when nobody can know.
-
-    kind: a "fit", a solve in "space", or one of "drafts" does not know how far it is.
-    worst: the verdict of its worst segment, once it has tracked some.
-    """
-
-    state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
-    title: str = ""
-    words: str = ""
-    percent: float = 0.0
-    seconds_left: float | None = None
-    kind: Kind = "track"
-    worst: VerdictKind | None = None
 
 
 class Job:

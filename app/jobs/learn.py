@@ -22,7 +22,7 @@ from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
 
 Learned: TypeAlias = Mapping[int, Pose]
 """Drafts with what keyframes give, by frame."""

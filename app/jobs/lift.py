@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import Lift
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
     from keypose.tracker.fitting.draft import DraftProgress
 
 Lifted: TypeAlias = Mapping[int, Pose]

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.reduced import Reducible, reducible, with_reduction
+from keypose.app.editor.reduced import Reducible, reducible
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.errors import SessionError
 from keypose.tracker.reduction.result import Every, Goal, Reduction, Tolerance
 from keypose.tracker.session import Session
-from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.sidecars import load_first_motion, save_own_motion
+from keypose.tracker.storage.sidecars import load_first_motion
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor import actions
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
 
 
 @dataclass(frozen=True)
@@ -86,32 +82,6 @@ class ReduceMotion(Fit):
 
     def left(self, state: AppState) -> AppState:
         return replace(state, reduction=None)
-
-
-@dataclass(frozen=True, eq=False)
-class ReductionPreview:
-    """A reduction that waits to be applied or discarded.
-
-    asked: what was asked for last.  found: the motion, as it is to be reduced.
-    reduction: its keyframes; of what was asked before while `busy`, None at first.
-    """
-
-    asked: actions.Reduce
-    found: Reducible
-    reduction: Reduction | None = None
-    busy: bool = True
-
-    def applied_to(self, edit: EditorState, session_path: Path) -> EditorState:
-        """The keyframes, as one step that can be undone; the motion is written beside the session.
-        Refused while they are not known."""
-        if self.reduction is None or self.busy:
-            raise ActionRefused("The keyframes are not known yet. Wait a moment.")
-        own = None
-        if self.found.parts is None:
-            make_folder(session_path.parent, error=SessionError)
-            own = save_own_motion(edit.doc, session_path, self.found.motion)
-        frames, replacing = self.reduction.frames, self.asked.replacing
-        return with_reduction(edit, self.found, frames, own, replacing=replacing)
 
 
 def _goal_of(asked: actions.Reduce) -> Goal:

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from keypose.app.editor.documents import softened
-from keypose.app.jobs.find_up import FoundUp, SeenLines, seen_lines
+from keypose.app.jobs.find_up import SeenLines, seen_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
+from keypose.app.state.outcomes import FoundUp
 from keypose.app.words.standing import standing_words
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.session import Session
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import Stand
     from keypose.app.editor.state import EditorState
-    from keypose.app.store.state import AppState
+    from keypose.app.state.app_state import AppState
     from keypose.tracker.geometry.up import UpEvidence
     from keypose.tracker.storage.results import Results
     from keypose.tracker.storage.standing import Standing

@@ -9,8 +9,9 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Self, TypeAlias
 
-from keypose.app.jobs.job import Context, Job, JobState, Progress, Report
+from keypose.app.jobs.job import Context, Job, Progress, Report
 from keypose.app.jobs.progress import Shares, Wanted, words_of
+from keypose.app.state.job_state import JobState
 from keypose.app.words.jobs import Ending, closing_words, spans_text
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session

@@ -20,8 +20,8 @@ from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.video_frames import Frames
 from keypose.app.scene.observed import Outdated, SurfaceViews, TintedSource, reading, skin
+from keypose.app.state.app_state import AppState, SurfaceSeen
 from keypose.app.store.sections import image_version
-from keypose.app.store.state import AppState, SurfaceSeen
 from keypose.tracker.errors import KeyposeError, SurfaceError
 from keypose.tracker.surface.picture import SurfaceVideo
 from keypose.tracker.video import Video

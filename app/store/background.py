@@ -18,11 +18,13 @@ from keypose.app.document.open import OpenSession
 from keypose.app.editor.documents import unchanged
 from keypose.app.editor.drafted import newly_posed
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs.find_people import Boxes, FindPeople
+from keypose.app.jobs.find_people import FindPeople
 from keypose.app.jobs.job import Ended, Failed, Finished
 from keypose.app.jobs.learn import LearnDrafts, Learned
+from keypose.app.state.app_state import KnownKeypoints
+from keypose.app.state.outcomes import Boxes
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
-from keypose.app.store.state import KnownKeypoints, StateOwner
 from keypose.tracker.errors import KeyposeError, VideoError
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons

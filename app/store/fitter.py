@@ -19,8 +19,8 @@ from keypose.app.jobs.job import Ended, Failed
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.reduce import ReduceMotion
 from keypose.app.jobs.stand import StandOnFloor
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
-from keypose.app.store.state import StateOwner
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.storage.fingerprints import Span
 

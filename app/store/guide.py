@@ -11,7 +11,7 @@ from keypose.app.editor.posing import Angles, Drag, Face, Root, TakeTracked
 from keypose.app.editor.update import BeginGuide, CancelStroke, EndStroke, Go
 from keypose.app.posing import handles
 from keypose.app.posing.gesture import End, Ring, Surface
-from keypose.app.store.state import Guide
+from keypose.app.state.app_state import Guide
 from keypose.tracker.body.body import Body
 
 ENOUGH_ENDS = 4

@@ -11,10 +11,11 @@ from keypose.app.document.open import OpenSession, edit_state, open_for_editing
 from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.render.video_frames import Frames
+from keypose.app.state.app_state import OpenedFile
 from keypose.app.store.background import Examiner
+from keypose.app.store.owner import StateOwner
 from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
-from keypose.app.store.state import OpenedFile, StateOwner
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
 
 SECONDS_BETWEEN_LOOKS = 3.0

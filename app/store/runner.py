@@ -12,13 +12,14 @@ from keypose.app.editor.advice import why_nothing_to_do
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.live import let_go, moved_spans
 from keypose.app.editor.state import EditorState, Previews
-from keypose.app.jobs.ahead import Following
-from keypose.app.jobs.job import Ended, Failed, Finished, Job, JobState, Progress, Report, Warming
+from keypose.app.jobs.job import Ended, Failed, Finished, Job, Progress, Report, Warming
 from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.space import SolveSpace
 from keypose.app.jobs.track import Track, Tracked, found_in
 from keypose.app.jobs.tracking import Tracking
-from keypose.app.store.state import Running
+from keypose.app.state.app_state import Running
+from keypose.app.state.job_state import JobState
+from keypose.app.state.outcomes import Following
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import Quality
 from keypose.tracker.space.result import SpaceResult

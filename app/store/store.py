@@ -27,9 +27,17 @@ from keypose.app.editor.message import Look
 from keypose.app.editor.state import EditorState, Previews
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
-from keypose.app.jobs.job import JobState
 from keypose.app.jobs.wire import failure_message
 from keypose.app.render.video_frames import Frames
+from keypose.app.state.app_state import (
+    AppState,
+    Guide,
+    KnownKeypoints,
+    OpenedFile,
+    Saved,
+    SurfaceSeen,
+)
+from keypose.app.state.job_state import JobState
 from keypose.app.store.background import DraftLearner, KeypointFinder, PeopleLooker
 from keypose.app.store.faults import Fault, Faults
 from keypose.app.store.fitter import Fitter
@@ -41,14 +49,6 @@ from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.sections import PLACES, Sections
 from keypose.app.store.session_manager import PoseLibrary, Shelf
-from keypose.app.store.state import (
-    AppState,
-    Guide,
-    KnownKeypoints,
-    OpenedFile,
-    Saved,
-    SurfaceSeen,
-)
 from keypose.app.store.tabs import Clients, Tab, Tabs, split_envelope
 from keypose.app.words.problems import repeats_words
 from keypose.tracker.errors import one_sentence

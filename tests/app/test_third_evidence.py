@@ -15,8 +15,8 @@ import pytest
 from keypose.app.editor.advice import next_step, why_nothing_to_do
 from keypose.app.export.report.report import report_html
 from keypose.app.jobs.rerun import require_trackable
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import (

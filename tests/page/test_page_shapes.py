@@ -14,10 +14,10 @@ import pytest
 from keypose import static
 from keypose.app.document.library import Library
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs.fit_pose import FitOutcome
-from keypose.app.jobs.fit_sizes import SizesPreview
+from keypose.app.state.app_state import AppState, KnownKeypoints
+from keypose.app.state.outcomes import FitOutcome
+from keypose.app.state.previews import SizesPreview
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState, KnownKeypoints
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.camera_motion import FollowedPoints
 from keypose.tracker.fitting.sizes import Proposal, SizesFitted

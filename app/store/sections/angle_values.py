@@ -10,8 +10,8 @@ import numpy as np
 from keypose.app.editor.motion import part_rotations
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.app.words.angles import angle_words
 from keypose.tracker.body.angle_errors import GUESSED_RAD
 from keypose.tracker.body.joint_angles import ROOT, Angle, Joint, angles_of, joints_of

@@ -11,8 +11,8 @@ from keypose.app.editor.shown import counts, draft_at, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import at_limit, axis_labels, handles, part_label, part_sizes, short_label
 from keypose.app.posing import lanes as lane_groups
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.tracker.body.body import OBJECTS, PRESETS, Body, Part, preset
 from keypose.tracker.body.modify import can_have_clavicles, has_clavicles, height, without_clavicles
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms

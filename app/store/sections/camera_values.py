@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from keypose.app.editor.frames import T_camera_world
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.app.words.camera import camera_sentence, finding_sentence
 from keypose.app.words.up import SIGMAS_SAID
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse

@@ -12,6 +12,7 @@ from typing import Any
 
 from keypose.app.editor.documents import unchanged
 from keypose.app.editor.live import moved_spans
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import (
     angle_values,
     body_values,
@@ -23,7 +24,6 @@ from keypose.app.store.sections import (
     work_values,
 )
 from keypose.app.store.sections.json_value import Json
-from keypose.app.store.state import AppState
 from keypose.tracker.session.schema import Session
 
 

@@ -13,8 +13,8 @@ from keypose.app.editor.state import EditorState
 from keypose.app.orders.drawing import Tint
 from keypose.app.posing import part_label
 from keypose.app.render.tints import LEGENDS, css_stops
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-from keypose.app.store.state import AppState
+from keypose.app.state.app_state import AppState
 from keypose.tracker.session.schema import Session
 
 Json: TypeAlias = Any

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from keypose.app.editor.advice import next_step
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json
-from keypose.app.store.state import AppState
 from keypose.app.words.problems import sentence_of, size_of, todo_of
 from keypose.app.words.review import label_of_place, reason_of_place
 from keypose.tracker.geometry.rotations import Array

@@ -11,9 +11,9 @@ import numpy as np
 from keypose.app.editor.drafted import has_drafts_for_other_up, to_lift
 from keypose.app.editor.frames import up_of, views_of
 from keypose.app.posing import tilt_and_roll
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.evidence_values import surface_version
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.app.words.up import SURE_DEG, choice_words, off_deg, up_words
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.geometry.horizon import horizon_of

@@ -15,9 +15,9 @@ from keypose.app.editor.shown import part_at
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.labels import joint_label, number_text
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.body_values import side_of
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.app.words.problems import pin_sentence, space_sentence
 from keypose.app.words.standing import soles_words
 from keypose.tracker.body.body import Body

@@ -7,8 +7,8 @@ import math
 from keypose.app.editor.drafted import frame_runs, frames_of, missing_frames
 from keypose.app.editor.shown import counts
 from keypose.app.posing import part_label
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.app.store.state import AppState
 from keypose.tracker.body.modify import height
 from keypose.tracker.review.places import drafts_to_confirm
 from keypose.tracker.session.schema import Session

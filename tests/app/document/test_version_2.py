@@ -16,8 +16,8 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import opening_pose
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session.migrate import PRESENT
 from keypose.tracker.session.verdict import GOOD, Verdict

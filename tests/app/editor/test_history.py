@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.work_values import MOST_LISTED, history
-from keypose.app.store.state import AppState
 from tests.app.editor.desk import after, desk
 
 

@@ -10,8 +10,8 @@ import pytest
 from keypose.app.editor.motion import end_trail, feet_paths
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.tracker.body.body import load_body
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.geometry.rotations import Array, apply_transform

@@ -18,10 +18,11 @@ from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.export.import_camera import with_camera_file
 from keypose.app.jobs.find_camera import with_found
-from keypose.app.jobs.find_up import FindUp, FoundUp
+from keypose.app.jobs.find_up import FindUp
 from keypose.app.posing import opening_pose
+from keypose.app.state.app_state import AppState
+from keypose.app.state.outcomes import FoundUp
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.reading_camera import CameraFile, CameraWay

@@ -13,8 +13,8 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.part_keyframes import limbs_of
 from keypose.app.editor.shown import pose_behind, shown_pose
 from keypose.app.editor.state import EditorState
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import body_values
-from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.session import Session
 from keypose.tracker.storage import changes

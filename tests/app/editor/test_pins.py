@@ -16,8 +16,8 @@ from keypose.app.editor.pinned import open_proposals, pinned_ends
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import tilt_and_roll
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import space_values
-from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.horizon import horizon_of

@@ -11,8 +11,8 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.app.words.review import label_of_place, reason_of_place
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.trajectory import Pass, interpolate

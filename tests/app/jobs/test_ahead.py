@@ -6,9 +6,10 @@ from threading import Event
 
 import pytest
 
-from keypose.app.jobs.ahead import FollowAhead, Following
+from keypose.app.jobs.ahead import FollowAhead
 from keypose.app.jobs.job import Failed, Finished, Progress, Report
 from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.state.outcomes import Following
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.storage.files import load_session

@@ -14,8 +14,8 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.motion import end_trail
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import opening_pose
+from keypose.app.state.app_state import AppState, Running, SurfaceSeen
 from keypose.app.store.sections import Sections, image_version
-from keypose.app.store.state import AppState, Running, SurfaceSeen
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, interpolate

@@ -21,7 +21,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.render.surfaces import SurfaceLayer
 from keypose.app.scene.observed import Outdated, SurfaceViews, skin
 from keypose.app.server.surfaces import Surfaces
-from keypose.app.store.state import AppState, SurfaceSeen
+from keypose.app.state.app_state import AppState, SurfaceSeen
 from keypose.tracker.errors import VideoError
 from keypose.tracker.session.schema import Session
 from keypose.tracker.surface import source

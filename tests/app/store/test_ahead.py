@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs.ahead import FollowAhead, Following
+from keypose.app.jobs.ahead import FollowAhead
 from keypose.app.jobs.job import Failed, Finished, Progress
+from keypose.app.state.outcomes import Following
 from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.tracker.body.skeleton import Skeleton

@@ -7,8 +7,8 @@ import threading
 
 import pytest
 
+from keypose.app.state.app_state import Saved
 from keypose.app.store.saving import Saver
-from keypose.app.store.state import Saved
 from keypose.tracker.errors import SessionError
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from keypose.app.state.app_state import AppState
 from keypose.app.store import runner
 from keypose.app.store.sections import PLACES, changes
-from keypose.app.store.state import AppState
 from tests.app.store.test_fitter import Desk, Worker
 from tests.scenes import at_desk
 

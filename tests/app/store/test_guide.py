@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from keypose.app.editor.actions import ACTIONS
+from keypose.app.state.app_state import Guide
 from keypose.app.store.guide import guide_after
-from keypose.app.store.state import Guide
 from keypose.tracker.body.body import preset
 
 BODY = preset("adult_male")

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.angle_values import joint_angle
-from keypose.app.store.state import AppState
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.joint_angles import joint_angles
 from keypose.tracker.body.skeleton import Skeleton

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.state import EditorState
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation

@@ -16,9 +16,9 @@ from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import update
 from keypose.app.posing import mirror_pose
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
 from keypose.app.store.session_manager import PoseLibrary
-from keypose.app.store.state import AppState
 from tests.app.editor.desk import after, desk
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import motion_values
-from keypose.app.store.state import AppState
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Reviewed

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.geometry.rotations import Array

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.state import EditorState
+from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.app.store.state import AppState
 from keypose.app.words.problems import space_sentence
 from keypose.app.words.review import reason_of_place
 from keypose.tracker.review.places import review_of

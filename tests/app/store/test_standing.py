@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.drafted import has_drafts_for_other_up
-from keypose.app.jobs.find_up import FindUp, FoundUp, SeenLines
+from keypose.app.jobs.find_up import FindUp, SeenLines
 from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.jobs.track import Track
+from keypose.app.state.outcomes import FoundUp
 from keypose.app.store import runner
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation

@@ -16,9 +16,9 @@ import pytest
 from keypose.app.jobs.job import Finished, Progress
 from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.track import Track
+from keypose.app.state.app_state import Saved
 from keypose.app.store import runner, saving
 from keypose.app.store.saving import Saver
-from keypose.app.store.state import Saved
 from keypose.app.store.store import Store
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate

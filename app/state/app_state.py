@@ -1,31 +1,22 @@
-"""The state of the program, as far as the page shows it, and its owner's interface."""
+"""The state of the program, as far as the page shows it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Literal
 
 from keypose.app.document.library.poses import KeptPose
 from keypose.app.editor.ahead import followed_so_far
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs.ahead import Following
-from keypose.app.jobs.find_people import Boxes
-from keypose.app.jobs.find_up import FoundUp
-from keypose.app.jobs.fit_pose import FitOutcome
-from keypose.app.jobs.fit_sizes import SizesPreview
-from keypose.app.jobs.job import JobState
-from keypose.app.jobs.reduce import ReductionPreview
+from keypose.app.state.job_state import JobState
+from keypose.app.state.outcomes import Boxes, FitOutcome, Following, FoundUp
+from keypose.app.state.previews import ReductionPreview, SizesPreview
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
 from keypose.tracker.video import VideoInfo
-
-if TYPE_CHECKING:
-    from keypose.app.document.open import OpenSession
-    from keypose.app.editor import actions
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,40 +155,3 @@ class AppState:
         if self.fit is None or not self.fit.looking_back:
             return self
         return replace(self, edit=edit.with_doc(self.fit.before))
-
-
-class StateOwner(Protocol):
-    """Owns the state, and changes it for jobs, files and tabs."""
-
-    @property
-    def app_state(self) -> AppState: ...
-
-    @property
-    def opened(self) -> OpenSession | None: ...
-
-    def do(self, action: actions.Action) -> None: ...
-
-    async def open(self, path: Path) -> None: ...
-
-    async def close_session(self) -> None: ...
-
-    async def saved_path(self) -> Path: ...
-
-    async def read_poses(self) -> None: ...
-
-    def session_opened(self, opened: OpenSession, file: OpenedFile, edit: EditorState) -> None: ...
-
-    def lock_changed(self) -> None: ...
-
-    def session_closed(self) -> None: ...
-
-    def end_gesture(self) -> None: ...
-
-    def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None: ...
-
-    def broadcast(self, message: dict[str, Any]) -> None: ...
-
-    def take(self, after: AppState) -> None: ...
-
-    def show_damage(self, info: VideoInfo) -> None: ...
-    def show_repeats(self, repeats: Repeats) -> None: ...

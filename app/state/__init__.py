@@ -1,0 +1,1 @@
+"""Hold what the page shows, as plain frozen values."""
