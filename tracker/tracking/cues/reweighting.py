@@ -28,7 +28,6 @@ from keypose.tracker.tracking.scene import Scene
 
 if TYPE_CHECKING:
     from keypose.tracker.solver.smoothness import Increments
-    from keypose.tracker.tracking.initial.chains import Chains
     from keypose.tracker.tracking.segment import Segment
 
 
@@ -66,7 +65,9 @@ MEDIAN_OF_SIZES = 0.6745
 """Median of the sizes of what is normal with standard deviation 1."""
 
 
-def increment_scale(segment: Segment, chains: Chains, measured: Increments) -> float:
+def increment_scale(
+    segment: Segment, chains: tuple[Trajectory, Trajectory], measured: Increments
+) -> float:
     """How many times as far as usual the chains miss the keyframes, from 1.
 
     chains: the body followed from both keyframes.  measured: the steps between, with their doubts.
