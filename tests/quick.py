@@ -41,8 +41,9 @@ TIME_IS_UP = "the time of a quick run is up"
 class Choice:
     """Test files, the nearest first, and what is not tested now; paths from the project's root.
 
-    edited: tests that have changed.  own: of changed files, by place and name.  importing: that name
-    a changed module.  browser: that need one.  untested: changed files that none of these is for.
+    edited: tests that have changed.  own: of changed files, by place and name.  importing: that
+    name a changed module.  browser: that need one.  untested: changed files that none of these is
+    for.
     """
 
     edited: tuple[str, ...] = ()
