@@ -234,7 +234,7 @@ def add_order(command: argparse.ArgumentParser, order: type, *, but: Container[s
 
     but: fields that another order of the command has already, which mean the same.
     """
-    options = [(name, one) for name, one in options_of(order).items() if name not in but]
+    options = [(name, option) for name, option in options_of(order).items() if name not in but]
     _add_options(command, options, order)
 
 
@@ -247,7 +247,9 @@ def add_orders(command: argparse.ArgumentParser, orders: Mapping[str, type]) -> 
             kinds_of.setdefault(name, []).append(kind)
     for kinds in dict.fromkeys(map(tuple, kinds_of.values())):
         order = orders[kinds[0]]
-        mine = [(n, one) for n, one in options_of(order).items() if tuple(kinds_of[n]) == kinds]
+        mine = [
+            (n, option) for n, option in options_of(order).items() if tuple(kinds_of[n]) == kinds
+        ]
         _add_options(command.add_argument_group(listed(kinds)), mine, order)
 
 
@@ -267,41 +269,45 @@ def require_of(
     """FormatError for an option of another kind, which would be ignored in silence, and for a
     value that this kind does not have."""
     own = options_of(order)
-    for name, one in own.items():
+    for name, option in own.items():
         given = getattr(arguments, name, None)
-        if given is None or not isinstance(one.value, Choice) or not one.value.names:
+        if given is None or not isinstance(option.value, Choice) or not option.value.names:
             continue
-        if given not in map(one.value.read, one.value.names):
-            chosen = f"{_flag(name, one)} {str(given).replace(' ', '-')}"
+        if given not in map(option.value.read, option.value.names):
+            chosen = f"{_flag(name, option)} {str(given).replace(' ', '-')}"
             raise FormatError(
-                f"{chosen} is not for {what}: choose from {', '.join(one.value.names)}."
+                f"{chosen} is not for {what}: choose from {', '.join(option.value.names)}."
             )
     for kind, other in others.items():
-        for name, one in options_of(other).items():
+        for name, option in options_of(other).items():
             if name not in own and getattr(arguments, name) is not None:
-                raise FormatError(f"{_flag(name, one)} is for {kind}, not for {what}.")
+                raise FormatError(f"{_flag(name, option)} is for {kind}, not for {what}.")
 
 
-def _flag(name: str, one: Option) -> str:
-    return f"--{one.flag or name.replace('_', '-')}"
+def _flag(name: str, option: Option) -> str:
+    return f"--{option.flag or name.replace('_', '-')}"
 
 
 def _add_options(place: Any, options: Iterable[tuple[str, Option]], order: type) -> None:
-    for name, one in options:
-        if one.flag != "":
+    for name, option in options:
+        if option.flag != "":
             place.add_argument(
-                _flag(name, one), dest=name, help=_help(order, name, one), default=None, **_how(one)
+                _flag(name, option),
+                dest=name,
+                help=_help(order, name, option),
+                default=None,
+                **_how(option),
             )
 
 
-def _how(one: Option) -> dict[str, Any]:
-    if isinstance(one.value, Switch):
+def _how(option: Option) -> dict[str, Any]:
+    if isinstance(option.value, Switch):
         return {"action": "store_true"}
-    names = getattr(one.value, "names", ())
-    metavar = one.value.metavar or (f"{{{','.join(names)}}}" if names else None)
-    repeated = {"action": "append"} if one.repeated else {"action": Once} if one.once else {}
-    known = {"choices": names} if type(one.value) is Choice else {}  # for a shell to complete
-    return {"type": typed(one.value), "metavar": metavar, **known, **repeated}
+    names = getattr(option.value, "names", ())
+    metavar = option.value.metavar or (f"{{{','.join(names)}}}" if names else None)
+    repeated = {"action": "append"} if option.repeated else {"action": Once} if option.once else {}
+    known = {"choices": names} if type(option.value) is Choice else {}  # for a shell to complete
+    return {"type": typed(option.value), "metavar": metavar, **known, **repeated}
 
 
 class Once(argparse.Action):
@@ -314,9 +320,9 @@ class Once(argparse.Action):
         setattr(namespace, self.dest, value)
 
 
-def _help(order: type, name: str, one: Option) -> str:
+def _help(order: type, name: str, option: Option) -> str:
     usual = order.__dataclass_fields__[name].default  # type: ignore[attr-defined]
-    return f"{one.words}; default: {usual}" if isinstance(usual, str) else one.words
+    return f"{option.words}; default: {usual}" if isinstance(usual, str) else option.words
 
 
 def typed(value: Value) -> Callable[[str], Any]:
@@ -338,7 +344,7 @@ def order_of(
 
     but: fields that mean something else here.
     """
-    options = {name: one for name, one in options_of(order).items() if name not in but}
+    options = {name: option for name, option in options_of(order).items() if name not in but}
     all_given = {name: getattr(arguments, name, None) for name in options}
     given = {name: value for name, value in all_given.items() if value is not None}
     require_one_of_each_group(options, given, lambda name: _flag(name, options[name]))

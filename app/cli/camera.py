@@ -29,19 +29,19 @@ def run(arguments: argparse.Namespace) -> int:
     with locked(path, "close it there first") if held else nullcontext():
         session = load_session(path)
         if arguments.forget:
-            found, after = None, forgotten(session)
+            found_camera, after = None, forgotten(session)
         elif arguments.went is not None and session.camera_path is not None:
-            found, after = None, _with_way(session, arguments.went)
+            found_camera, after = None, _with_way(session, arguments.went)
         else:
             with share_reporter(arguments.json) as report:
-                found = find_saved(session, path, arguments.kind, report)
+                found_camera = find_saved(session, path, arguments.kind, report)
             if arguments.went is not None:
-                after = _with_way(with_found(session, found), arguments.went)
-                found = replace(found, motion=after.view.camera_motion)
-            after = with_found(session, found)
+                after = _with_way(with_found(session, found_camera), arguments.went)
+                found_camera = replace(found_camera, motion=after.view.camera_motion)
+            after = with_found(session, found_camera)
         if not arguments.dry_run:
             save_session(after, path)
-    _print(found, after, arguments)
+    _print(found_camera, after, arguments)
     return 0
 
 
@@ -67,18 +67,18 @@ def _draw_background(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namespace) -> None:
+def _print(found_camera: FoundCamera | None, after: Session, arguments: argparse.Namespace) -> None:
     if arguments.json:
-        print_json(_facts(found, arguments))
+        print_json(_facts(found_camera, arguments))
         return
     if arguments.went is not None:
         print(f"The camera's path has its scale: it went {arguments.went:g} m from where it began.")
-    elif found is None:
+    elif found_camera is None:
         print("The camera is as it was.")
-    if found is not None:
-        print(found_words(found))
-    if found is not None and found.focal is not None and found.lens is None:
-        share, sigma = found.focal
+    if found_camera is not None:
+        print(found_words(found_camera))
+    if found_camera is not None and found_camera.focal is not None and found_camera.lens is None:
+        share, sigma = found_camera.focal
         focal = after.view.camera.focal_mm
         print(
             f"Its turns suggest a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the "
@@ -87,21 +87,23 @@ def _print(found: FoundCamera | None, after: Session, arguments: argparse.Namesp
     print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
 
 
-def _facts(found: FoundCamera | None, arguments: argparse.Namespace) -> dict[str, object]:
+def _facts(found_camera: FoundCamera | None, arguments: argparse.Namespace) -> dict[str, object]:
     facts: dict[str, object] = {
         "event": "finished",
         "session": None if arguments.dry_run else str(arguments.session),
     }
-    if found is None:
+    if found_camera is None:
         return facts
     facts |= {
-        "kind": found.kind,
-        "findings": [one.model_dump(mode="json") for one in found.findings],
-        "focal_share": None if found.focal is None else found.focal[0],
-        "focal_share_sigma": None if found.focal is None else found.focal[1],
+        "kind": found_camera.kind,
+        "findings": [
+            camera_finding.model_dump(mode="json") for camera_finding in found_camera.findings
+        ],
+        "focal_share": None if found_camera.focal is None else found_camera.focal[0],
+        "focal_share_sigma": None if found_camera.focal is None else found_camera.focal[1],
     }
-    if found.motion is not None:
-        errors, path = found.motion.errors_px, found.motion.path
+    if found_camera.motion is not None:
+        errors, path = found_camera.motion.errors_px, found_camera.motion.path
         R, centres = path.Ts_camera_world[:, :3, :3], path.Ts_world_camera[:, :3, 3]
         cosines = np.clip((np.trace(R, axis1=1, axis2=2) - 1) / 2, -1, 1)
         facts |= {

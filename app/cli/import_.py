@@ -92,17 +92,20 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> None:
-    found, file = made.found, arguments.file.name
-    motion = found.fit.trajectory
+    imported_motion, file = made.found, arguments.file.name
+    motion = imported_motion.fit.trajectory
     saved = save_first_motion(session, arguments.session, motion, file, made.matched)
     save_session(saved, arguments.session)
     assert saved.subject.first_motion is not None
     written = arguments.session.parent / saved.subject.first_motion.file
     _print_motion(_facts(made, written), arguments.json)
-    for words in note_words(found.notes):
+    for words in note_words(imported_motion.notes):
         note(words)
-    if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
-        percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
+    if imported_motion.scale == 1.0 and abs(imported_motion.size - 1.0) > UNLIKE:
+        percent, word = (
+            100 * abs(1 / imported_motion.size - 1),
+            "larger" if imported_motion.size < 1 else "smaller",
+        )
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
     if len(session.subject.keyframes) < LEAST_TRACKED:
         note(
@@ -112,16 +115,16 @@ def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Names
 
 def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
 
-    found = made.found
-    fit, rms = found.fit, found.fit.rms_m
+    imported_motion = made.found
+    fit, rms = imported_motion.fit, imported_motion.fit.rms_m
     worst = int(np.nanargmax(rms))
     return {
         "written": str(written),
         "first_frame": fit.trajectory.first_frame,
         "last_frame": fit.trajectory.last_frame,
-        **names_of(found.matched, made.names),
-        "size": found.size,
-        "scale": found.scale,
+        **names_of(imported_motion.matched, made.names),
+        "size": imported_motion.size,
+        "scale": imported_motion.scale,
         "rms_cm": float(100 * np.sqrt(np.nanmean(rms**2))),
         "worst_rms_cm": float(100 * rms[worst]),
         "worst_frame": fit.trajectory.first_frame + worst,
@@ -129,9 +132,9 @@ def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
             fit.trajectory.first_frame + int(n)
             for n in np.flatnonzero(~fit.converged & (rms > POOR_M))
         ],
-        "keyframes": list(found.aligned),
-        "from_keyframes_cm": 100 * found.keyframes_m,
-        "notes": note_words(found.notes),
+        "keyframes": list(imported_motion.aligned),
+        "from_keyframes_cm": 100 * imported_motion.keyframes_m,
+        "notes": note_words(imported_motion.notes),
     }
 
 
@@ -160,14 +163,22 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 # --- keypoints
 
 
-def _keep_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
-    if found.drafts:
-        save_session(found.added_to(session), arguments.session)
-    _print_drafts(session, found, arguments)
+def _keep_drafts(
+    session: Session, draft_import: DraftImport, arguments: argparse.Namespace
+) -> None:
+    if draft_import.drafts:
+        save_session(draft_import.added_to(session), arguments.session)
+    _print_drafts(session, draft_import, arguments)
 
 
-def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Namespace) -> None:
-    drafts, frames, names = found.drafts, found.frames, names_of(found.known, found.names)
+def _print_drafts(
+    session: Session, draft_import: DraftImport, arguments: argparse.Namespace
+) -> None:
+    drafts, frames, names = (
+        draft_import.drafts,
+        draft_import.frames,
+        names_of(draft_import.known, draft_import.names),
+    )
     made = {draft.keyframe.frame for draft in drafts}
     posed = {k.frame for k in (*session.subject.keyframes, *session.subject.drafts)}
     kept = [frame for frame in frames if frame in posed]
@@ -183,7 +194,7 @@ def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Name
             }
             for draft in drafts
         ]
-        notes = note_words(found.notes)
+        notes = note_words(draft_import.notes)
         facts = {"drafts": drafts_json, "kept": kept, "without_keypoints": empty, "notes": notes}
         print_json({**names, **facts})
         return
@@ -198,7 +209,7 @@ def _print_drafts(session: Session, found: DraftImport, arguments: argparse.Name
         print(f"Left as posed: {', '.join(map(str, kept))}")
     if empty:
         print(f"Too few keypoints: {', '.join(map(str, empty))}")
-    for words in note_words(found.notes):
+    for words in note_words(draft_import.notes):
         note(words)
     if drafts:
         print(f"Written: {arguments.session}")

@@ -33,22 +33,22 @@ def import_camera(arguments: argparse.Namespace) -> None:
     with reading_apart(load_camera) as read:
         session = load_session(path)
         size = (session.view.camera.width, session.view.camera.height)
-        found = read(file, size, reading_of(order))
-    if found.way is not None:
+        camera_file = read(file, size, reading_of(order))
+    if camera_file.way is not None:
         with film_or_none(lambda: open_video_of(session, path)) as video:
-            found = brought(session, found, file.name, order, video)
-    made = with_camera_file(session, found, file.name)
+            camera_file = brought(session, camera_file, file.name, order, video)
+    made = with_camera_file(session, camera_file, file.name)
     save_session(made, path)
     if arguments.json:
-        print_json(_facts(made, found, path))
+        print_json(_facts(made, camera_file, path))
     else:
-        _print(session, made, found)
+        _print(session, made, camera_file)
         print(f"Written: {path}")
-    for words in note_words(found.notes):
+    for words in note_words(camera_file.notes):
         note(words)
 
 
-def _facts(made: Session, found: CameraFile, path: Path) -> dict[str, Any]:
+def _facts(made: Session, camera_file: CameraFile, path: Path) -> dict[str, Any]:
     camera, up = made.view.camera, list(made.world.up_world or CAMERA_UP)
     lens = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
     return {
@@ -56,19 +56,19 @@ def _facts(made: Session, found: CameraFile, path: Path) -> dict[str, Any]:
         **lens,
         "up_camera": up,
         "floor_m": made.world.floor_m,
-        "background_px": found.background_px,
-        "notes": note_words(found.notes),
+        "background_px": camera_file.background_px,
+        "notes": note_words(camera_file.notes),
     }
 
 
-def _print(session: Session, made: Session, found: CameraFile) -> None:
-    facts = camera_facts(session, made, found)
+def _print(session: Session, made: Session, camera_file: CameraFile) -> None:
+    facts = camera_facts(session, made, camera_file)
     focal, across, turned = facts["focal_mm"], facts["across_deg"], facts["turned_deg"]
     print(f"Lens: {focal:.1f} mm on 35 mm film, {across:.1f}° across.")
     print(f"Up: turned by {turned:.1f}°." if turned > SAME_DEG else "Up: as it was.")
     if facts["floor_m"] is not None:
         print(f"Floor: {facts['floor_m']:.2f} m below the camera.")
-    if found.way is not None:
-        print(f"The camera moves over {len(found.way.frames)} frames of the file.")
-    for sentence in imported_words(made, found.background_px):
+    if camera_file.way is not None:
+        print(f"The camera moves over {len(camera_file.way.frames)} frames of the file.")
+    for sentence in imported_words(made, camera_file.background_px):
         print(sentence)

@@ -54,15 +54,15 @@ def track_and_save(
         _say_what_was_found(asked)
         _say_what_is_left_out(asked, arguments)
         place = arguments.session
-        found = follow(asked, place, video, wanted, arguments.workers, arguments.json)
-        if found.error is not None and not found.found:
-            raise found.error
-        summary = _save_found(session, asked, found, arguments)
+        run = follow(asked, place, video, wanted, arguments.workers, arguments.json)
+        if run.error is not None and not run.found:
+            raise run.error
+        summary = _save_found(session, asked, run, arguments)
         summary["segments_of"] = len(wanted)
     _print_summary(summary, arguments.json)
-    if found.error is not None:
-        raise found.error
-    if found.interrupted:
+    if run.error is not None:
+        raise run.error
+    if run.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
 
@@ -128,17 +128,17 @@ def _session_path_to_write(arguments: argparse.Namespace) -> Path:
 
 
 def _save_found(
-    session: Session, asked: Session, found: Run, arguments: argparse.Namespace
+    session: Session, asked: Session, run: Run, arguments: argparse.Namespace
 ) -> dict[str, Any]:
     """Write what was found for the session as it was asked for, if anything; the summary of it."""
-    summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
+    summary: dict[str, Any] = {"interrupted": run.interrupted, "session": None, "tracks": None}
     summary |= {"segments": [], "lost": False}
-    summary["error"] = None if found.error is None else str(found.error)
+    summary["error"] = None if run.error is None else str(run.error)
 
-    results = _write(session, asked, found, arguments)
+    results = _write(session, asked, run, arguments)
     if results is None:
         return summary
-    spans = {track.span for track in found.found}
+    spans = {track.span for track in run.found}
     note(_own_settings_words(session.changed({"results": results}), asked, spans))
     mine = [s for s in results.segments if (s.first_frame, s.last_frame) in spans]
     summary |= {
@@ -153,7 +153,10 @@ def _save_found(
     if findings:
         from keypose.app.words.problems import space_sentence  # which loads posing
 
-        rows = [{**found.model_dump(), "words": space_sentence(found)} for found in findings]
+        rows = [
+            {**space_finding.model_dump(), "words": space_sentence(space_finding)}
+            for space_finding in findings
+        ]
         summary["in_space"] = rows
     return summary
 
@@ -173,16 +176,16 @@ def _own_settings_words(session: Session, asked: Session, spans: Collection[Span
 
 
 def _write(
-    session: Session, asked: Session, found: Run, arguments: argparse.Namespace
+    session: Session, asked: Session, run: Run, arguments: argparse.Namespace
 ) -> Results | None:
-    if arguments.out is None or not found.found:
-        return save_found(asked, arguments.session, found.found)
+    if arguments.out is None or not run.found:
+        return save_found(asked, arguments.session, run.found)
     make_folder(arguments.out, error=SessionError)
 
     def refer(results: Results | None) -> None:
         write_copy(session.changed({"results": results}), arguments)
 
-    return save_tracks_beside(asked, _session_path_to_write(arguments), found.found, refer)
+    return save_tracks_beside(asked, _session_path_to_write(arguments), run.found, refer)
 
 
 def write_copy(session: Session, arguments: argparse.Namespace) -> None:

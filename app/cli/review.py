@@ -23,28 +23,28 @@ from keypose.tracker.storage.tracks import load_tracks
 def run(arguments: argparse.Namespace) -> int:
     session = load_session(arguments.session)
     motion = None if session.subject.results is None else load_tracks(session, arguments.session)
-    found = review_of(session, load_results(session, arguments.session))
+    review = review_of(session, load_results(session, arguments.session))
     if arguments.frames is not None:
-        found = found.between(*arguments.frames)
-    goal = arguments.above or found.goal_px
+        review = review.between(*arguments.frames)
+    goal = arguments.above or review.goal_px
     if arguments.json:
-        print_json(_facts(found, goal), indent=2)
+        print_json(_facts(review, goal), indent=2)
         return 0
     outdated = None if motion is None else outdated_words(session, motion)
-    for line in (*_to_track(found, outdated), *_table(found, goal)):
+    for line in (*_to_track(review, outdated), *_table(review, goal)):
         print(line)
     return 0
 
 
-def _facts(found: Review, goal: int) -> dict[str, Any]:
+def _facts(review: Review, goal: int) -> dict[str, Any]:
     return {
         "above_px": goal,
-        "right_px": found.right_px,
-        "expected_px": found.px,
-        "expected_cm": found.cm,
-        "places": [_place_as_json(place) for place in found.above(goal)],
-        "answered": [one.model_dump(mode="json") for one in found.answered],
-        "untracked": found.untracked,
+        "right_px": review.right_px,
+        "expected_px": review.px,
+        "expected_cm": review.cm,
+        "places": [_place_as_json(place) for place in review.above(goal)],
+        "answered": [reviewed.model_dump(mode="json") for reviewed in review.answered],
+        "untracked": review.untracked,
     }
 
 
@@ -60,17 +60,17 @@ def _place_as_json(place: Place) -> dict[str, Any]:
     }
 
 
-def _to_track(found: Review, outdated: str | None) -> list[str]:
+def _to_track(review: Review, outdated: str | None) -> list[str]:
     """What is to be tracked before it can be reviewed, and why it is out of date."""
-    if not found.untracked:
+    if not review.untracked:
         return []
-    count = len(found.untracked)
+    count = len(review.untracked)
     words = f"{count} segment{'s need' if count > 1 else ' needs'} tracking first"
     return [f"{words}: {outdated}" if outdated else f"{words}."]
 
 
-def _table(found: Review, goal: int) -> list[str]:
-    places = found.above(goal)
+def _table(review: Review, goal: int) -> list[str]:
+    places = review.above(goal)
     rows = [row_of_place(place) for place in places]
     head = ("frame", "part", "expected error", "reason")
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(3)]
@@ -78,7 +78,7 @@ def _table(found: Review, goal: int) -> list[str]:
         f"{row[0]:>{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]:<{widths[2]}}  {row[3]}"
         for row in ([head] if rows else []) + rows
     ]
-    if found.answered:
-        lines.append(answers_words(found.answered))
-    so_far = " so far" if found.untracked else ""
-    return [*lines, f"{left_words(len(places), goal)}{right_words(found, goal)}{so_far}."]
+    if review.answered:
+        lines.append(answers_words(review.answered))
+    so_far = " so far" if review.untracked else ""
+    return [*lines, f"{left_words(len(places), goal)}{right_words(review, goal)}{so_far}."]

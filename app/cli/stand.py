@@ -60,7 +60,7 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
         "up_camera": session.world.up_world,
         "up_from": list(done.up.sources),
         "up_sigma_rad": done.up.sigma_rad,
-        "up_apart": [_apart(one) for one in done.up.apart],
+        "up_apart": [_apart(disagreement) for disagreement in done.up.apart],
         "floor_m": session.world.floor_m,
         "tilted_rad": done.tilted_rad,
         "released": [_harm(harm) for harm in done.released],
@@ -73,13 +73,13 @@ def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -
     }
 
 
-def _apart(one: Disagreement) -> dict[str, object]:
+def _apart(disagreement: Disagreement) -> dict[str, object]:
     """A source that disagrees with what up rests on."""
     return {
-        "from": one.evidence.source,
-        "up_camera": one.evidence.up.tolist(),
-        "sigma_rad": one.evidence.sigma_rad,
-        "sigmas": one.sigmas,
+        "from": disagreement.evidence.source,
+        "up_camera": disagreement.evidence.up.tolist(),
+        "sigma_rad": disagreement.evidence.sigma_rad,
+        "sigmas": disagreement.sigmas,
     }
 
 

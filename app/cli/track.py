@@ -35,11 +35,11 @@ def _with_camera(session: Session, asked: Session, arguments: argparse.Namespace
     if not is_camera_wanted(asked):
         return session
     with locked_place(arguments) as place, share_reporter(arguments.json) as report:
-        found = find_saved(asked, arguments.session, None, report)
-        session = with_found(session, found)
+        found_camera = find_saved(asked, arguments.session, None, report)
+        session = with_found(session, found_camera)
         if arguments.out is None:
             save_session(session, place)
-    print(found_words(found), file=sys.stderr, flush=True)
+    print(found_words(found_camera), file=sys.stderr, flush=True)
     return session
 
 

@@ -84,18 +84,22 @@ def new_surface_session(
         rig = Rig.open(cameras)
         reading = replace(reading, cameras=path_from(cameras, session_path.parent))
     with MeshSequence.open(meshes) as sequence:
-        found = choose_reading(sequence, reading, rig)
+        surface_setup = choose_reading(sequence, reading, rig)
         video = VideoReference(
             path=path_from(meshes, session_path.parent),
             fingerprint=sequence.fingerprint(),
             frame_count=sequence.frame_count,
-            width=found.camera.width,
-            height=found.camera.height,
+            width=surface_setup.camera.width,
+            height=surface_setup.camera.height,
         )
-    body = _as_tall(preset(read_defaults().body), found.height_m)
-    surface = found.surface if cameras is None else with_cameras_fingerprint(found.surface, cameras)
-    session = Session.begin(video=video, camera=found.camera, body=body, surface=surface)
-    return session, found.guesses
+    body = _as_tall(preset(read_defaults().body), surface_setup.height_m)
+    surface = (
+        surface_setup.surface
+        if cameras is None
+        else with_cameras_fingerprint(surface_setup.surface, cameras)
+    )
+    session = Session.begin(video=video, camera=surface_setup.camera, body=body, surface=surface)
+    return session, surface_setup.guesses
 
 
 def _as_tall(body: Body, height_m: float) -> Body:

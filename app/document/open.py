@@ -173,10 +173,10 @@ def _open(path: Path) -> OpenSession:
     path = Path(os.path.realpath(path))  # journal and lock lie beside the file, not beside a link
     content = _content(path)
     opened = open_session(path)
-    session, found = opened.session, opened.recovered
-    journal, follows = opened.journal, found.follows and opened.journal.whole
+    session, recovered = opened.session, opened.recovered
+    journal, follows = opened.journal, recovered.follows and opened.journal.whole
     video = open_video_of(session, path)
-    moment, news = found.moment, _news(opened)
+    moment, news = recovered.moment, _news(opened)
     if not _is_one_file(video_path(session, path), video.info.path):
         place = path_from(video.info.path, path.parent)
         session = session.changed({"video": session.view.video.model_copy(update={"path": place})})
@@ -236,16 +236,16 @@ def _length(path: Path) -> int:
 
 
 def _news(opened: Opened) -> tuple[str, ...]:
-    found = opened.recovered
+    recovered = opened.recovered
     if opened.problem:
         return (f"{opened.problem} Earlier undo steps are lost.",)
     if not opened.journal.whole:
         return ("The journal of edits is damaged: some undo steps may be missing.",)
-    if found.ahead:
-        edits = "one edit" if found.ahead == 1 else f"{found.ahead} edits"
+    if recovered.ahead:
+        edits = "one edit" if recovered.ahead == 1 else f"{recovered.ahead} edits"
         return (f"Restored {edits} made before Keypose ended unexpectedly.",)
-    past = found.moment.history.past
-    if not found.follows and past and past[-1].label == OUTSIDE:
+    past = recovered.moment.history.past
+    if not recovered.follows and past and past[-1].label == OUTSIDE:
         return ("The session was changed outside this page; undo brings back how you left it.",)
     return ()
 

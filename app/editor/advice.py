@@ -62,86 +62,96 @@ def suggestion(
     frame_count: int,
     fitting: Fitting,
     parts: Sequence[str] = (),
-    known: JudgedSegments | None = None,
+    judged_segments: JudgedSegments | None = None,
 ) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     fitting: the results of the present segments (Results.fitting); unfinished ones count as none.
     parts: names of the body's parts, so that what is hidden where tracking was lost can be named.
-    known: the same with all that shows what is wrong with them.
+    judged_segments: the same with all that shows what is wrong with them.
     """
     if len(keys) < 2:
         return _first_poses(keys, frame_count)
     spans = list(pairwise(keys))
     done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
-    known = known or JudgedSegments(done, parts)
+    judged_segments = judged_segments or JudgedSegments(done, parts)
     if len(done) == len(spans) and all(
         track.diagnostics.expected_gain is not None for track in done.values()
     ):
-        return _by_gain(known, list(done.values())) or ALL_GOOD
-    bad = [track for track in done.values() if track.kind != "good" and _is_open(known, track)]
+        return _by_gain(judged_segments, list(done.values())) or ALL_GOOD
+    bad = [
+        track
+        for track in done.values()
+        if track.kind != "good" and _is_open(judged_segments, track)
+    ]
     to_mend = [track for track in bad if not is_past_mending(track)]
     for kind in ("lost", "check"):
-        found = [track for track in to_mend if track.kind == kind]
+        segment_results = [track for track in to_mend if track.kind == kind]
         if kind == "check" and len(done) < len(spans):
             break  # first everything is tracked, then it is made better
-        if found:
-            return _about(known, max(found, key=_need))
+        if segment_results:
+            return _about(judged_segments, max(segment_results, key=_need))
     if len(done) < len(spans):
         return segments_need([span for span in spans if span not in done], "tracking")
     divided = _longest(spans)
     if divided is None and bad:
-        return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
+        return _about(
+            judged_segments, max(bad, key=lambda track: (track.kind == "lost", _need(track)))
+        )
     return divided or ALL_GOOD
 
 
-def _by_gain(known: JudgedSegments, tracks: Sequence[SegmentResult]) -> Suggestion | None:
+def _by_gain(judged_segments: JudgedSegments, tracks: Sequence[SegmentResult]) -> Suggestion | None:
     """The keyframe that is expected to mend most, of all segments; None where all is good.
 
     Where tracking was lost comes before what is to be checked: nobody knows how far off it is.
     What short intervals still show is the keyframes' own error: that much is not to be gained.
     """
-    waiting = [track for track in tracks if _is_open(known, track)]
+    waiting = [track for track in tracks if _is_open(judged_segments, track)]
     bad = [track for track in waiting if track.kind != "good"]
     for kinds in (("lost",), WORST_FIRST):
         wrong = [track for track in bad if track.kind in kinds and blames_keys(track)]
         if wrong:
-            return _about(known, max(wrong, key=_need))
+            return _about(judged_segments, max(wrong, key=_need))
         open_ones = [t for t in waiting if t.kind in kinds and not is_past_mending(t)]
-        worth = [track for track in open_ones if is_worth_a_keyframe(known, track)]
+        worth = [track for track in open_ones if is_worth_a_keyframe(judged_segments, track)]
         if worth:
-            return _about(known, max(worth, key=lambda track: _gains_by(known, track)))
+            return _about(
+                judged_segments, max(worth, key=lambda track: _gains_by(judged_segments, track))
+            )
     if bad:
-        return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
+        return _about(
+            judged_segments, max(bad, key=lambda track: (track.kind == "lost", _need(track)))
+        )
     return None
 
 
-def _gains_by(known: JudgedSegments, track: SegmentResult) -> tuple[float, float, float]:
+def _gains_by(judged_segments: JudgedSegments, track: SegmentResult) -> tuple[float, float, float]:
     """How much a keyframe would mend: by the joint that is farthest off where joints are
     observed, else by what may have drifted.
     """
-    found = problem_of(known, track)
+    problem = problem_of(judged_segments, track)
     has_parts = part_errors_px(track) is not None
-    px = found.px if has_parts and found is not None and found.px is not None else 0.0
+    px = problem.px if has_parts and problem is not None and problem.px is not None else 0.0
     return px, float(possible_drift_px(track).sum()), gain(track)
 
 
-def _is_open(known: JudgedSegments, track: SegmentResult) -> bool:
+def _is_open(judged_segments: JudgedSegments, track: SegmentResult) -> bool:
     """Whether something is wrong with a segment to which nobody has said anything yet."""
-    found = problem_of(known, track)
-    return found is not None and found.answer is None
+    problem = problem_of(judged_segments, track)
+    return problem is not None and problem.answer is None
 
 
-def _about(known: JudgedSegments, track: SegmentResult) -> Suggestion:
+def _about(judged_segments: JudgedSegments, track: SegmentResult) -> Suggestion:
     """What a segment needs."""
-    found = problem_of(known, track)
-    assert found is not None
-    frame, why = found.frame, detail_of(found)
-    if found.remedy == "keyframe":
-        return Suggestion(frame, f"Check keyframe {frame}", why, "look", found)
-    if found.remedy == "key":
-        return Suggestion(frame, add_keyframe(frame), why, "key", found)
-    return Suggestion(frame, f"Check frame {frame} and move on", why, "look", found)
+    problem = problem_of(judged_segments, track)
+    assert problem is not None
+    frame, why = problem.frame, detail_of(problem)
+    if problem.remedy == "keyframe":
+        return Suggestion(frame, f"Check keyframe {frame}", why, "look", problem)
+    if problem.remedy == "key":
+        return Suggestion(frame, add_keyframe(frame), why, "key", problem)
+    return Suggestion(frame, f"Check frame {frame} and move on", why, "look", problem)
 
 
 def _need(track: SegmentResult) -> int:
@@ -205,7 +215,7 @@ def followed_suggestion(session: Session) -> Suggestion | None:
     found = [one for one in session.subject.ahead if _is_worth_keying(session, one)]
     if not found:
         return None
-    record = max(found, key=lambda one: one.is_forward)
+    record = max(found, key=lambda ahead: ahead.is_forward)
     title = f"Check frame {record.to_frame}, then press K"
     why = f"{tracked_to(record)}. {why_stopped(record)}"
     return Suggestion(record.to_frame, title, why, "key")
@@ -230,7 +240,7 @@ def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> 
 
 def _way(keys: Sequence[int], session: Session) -> Direction | None:
     """Forward before backward; not again where it led to next to nothing."""
-    tried = {one.is_forward for one in session.subject.ahead if stands(session, one)}
+    tried = {ahead.is_forward for ahead in session.subject.ahead if stands(session, ahead)}
     after, before = session.view.video.frame_count - 1 - keys[-1], keys[0]
     if after >= SHORT_FRAMES and True not in tried:
         return "forward"
@@ -243,12 +253,12 @@ def surface_suggestion(
     keys: Sequence[int],
     spans: Sequence[Span],
     fitting: Fitting,
-    known: JudgedSegments | None = None,
+    judged_segments: JudgedSegments | None = None,
 ) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     spans: the segments.  fitting: their results; unfinished ones count as none.
-    known: the same with all that shows what is wrong with them.
+    judged_segments: the same with all that shows what is wrong with them.
     """
     if not keys:
         title = "Pose the body in this surface, then press K"
@@ -256,12 +266,14 @@ def surface_suggestion(
     if not spans:
         return Suggestion(None, "Nothing to fit", "There is only one surface", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
-    known = known or JudgedSegments({track.span: track for track in done}, halves=False)
-    waiting = [track for track in done if _is_open(known, track)]
+    judged_segments = judged_segments or JudgedSegments(
+        {track.span: track for track in done}, halves=False
+    )
+    waiting = [track for track in done if _is_open(judged_segments, track)]
     off = [track for track in waiting if _is_off(track)]
     lost = [track for track in waiting if track.kind == "lost"]
     if off or lost:
-        return _about_surfaces(known, off[0] if off else max(lost, key=_doubtful), keys)
+        return _about_surfaces(judged_segments, off[0] if off else max(lost, key=_doubtful), keys)
     stopped = [track for track in done if track.missing]
     if stopped:
         return _to_go_on(stopped[0])
@@ -269,7 +281,11 @@ def surface_suggestion(
         fitted = {track.span for track in done}
         return segments_need([span for span in spans if span not in fitted], "fitting")
     doubtful = [track for track in waiting if track.kind == "check"]
-    return _about_surfaces(known, max(doubtful, key=_doubtful), keys) if doubtful else ALL_GOOD
+    return (
+        _about_surfaces(judged_segments, max(doubtful, key=_doubtful), keys)
+        if doubtful
+        else ALL_GOOD
+    )
 
 
 def _to_go_on(stopped: SegmentResult) -> Suggestion:
@@ -284,16 +300,18 @@ def _is_off(track: SegmentResult) -> bool:
     return track.verdict is not None and track.verdict.cause == "body_off_surface"
 
 
-def _about_surfaces(known: JudgedSegments, track: SegmentResult, keys: Sequence[int]) -> Suggestion:
+def _about_surfaces(
+    judged_segments: JudgedSegments, track: SegmentResult, keys: Sequence[int]
+) -> Suggestion:
     """A keyframe where it was lost or is in doubt; where one stands already, a look at it."""
-    found = problem_of(known, track)
-    assert found is not None
-    frame, why = found.frame, _THERE.get(found.cause, detail_of(found))
+    problem = problem_of(judged_segments, track)
+    assert problem is not None
+    frame, why = problem.frame, _THERE.get(problem.cause, detail_of(problem))
     if frame in keys:
-        return Suggestion(frame, f"Check keyframe {frame}", why, "look", found)
-    if found.kind == "lost":
-        return Suggestion(frame, add_keyframe(frame), why, "key", found)
-    return Suggestion(frame, f"Check frame {frame}", why, "look", found)
+        return Suggestion(frame, f"Check keyframe {frame}", why, "look", problem)
+    if problem.kind == "lost":
+        return Suggestion(frame, add_keyframe(frame), why, "key", problem)
+    return Suggestion(frame, f"Check frame {frame}", why, "look", problem)
 
 
 _THERE: Mapping[ProblemCause, str] = {
@@ -323,14 +341,19 @@ class _Advice:
 
 
 def next_step(
-    keys: Sequence[int], session: Session, fitting: Fitting, known: JudgedSegments | None = None
+    keys: Sequence[int],
+    session: Session,
+    fitting: Fitting,
+    judged_segments: JudgedSegments | None = None,
 ) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     fitting: the results of the present segments; unfinished ones count as none.
-    known: the same, where what is wrong with them was asked for already.
+    judged_segments: the same, where what is wrong with them was asked for already.
     """
-    return _ADVICE.of(session).next(keys, session, known or JudgedSegments.over(session, fitting))
+    return _ADVICE.of(session).next(
+        keys, session, judged_segments or JudgedSegments.over(session, fitting)
+    )
 
 
 def why_nothing_to_do(session: Session) -> str:
@@ -338,13 +361,21 @@ def why_nothing_to_do(session: Session) -> str:
     return _ADVICE.of(session).missing(session)
 
 
-def _next_of_film(keys: Sequence[int], session: Session, known: JudgedSegments) -> Suggestion:
+def _next_of_film(
+    keys: Sequence[int], session: Session, judged_segments: JudgedSegments
+) -> Suggestion:
     followed = followed_suggestion(session)
     if followed is not None:
         return followed
     if not keys and not session.subject.drafts and is_persons(session.subject.body):
         return Suggestion(None, *_BOX_OR_POSE, "pose")
-    found = suggestion(keys, session.view.video.frame_count, known.tracks, known.parts, known)
+    found = suggestion(
+        keys,
+        session.view.video.frame_count,
+        judged_segments.tracks,
+        judged_segments.parts,
+        judged_segments,
+    )
     return with_way_ahead(found, keys, session)
 
 
@@ -353,8 +384,10 @@ def _missing_of_film(session: Session) -> str:
     return "Add a second keyframe first." if few else "Add two keyframes first."
 
 
-def _next_of_surfaces(keys: Sequence[int], session: Session, known: JudgedSegments) -> Suggestion:
-    return surface_suggestion(keys, session.spans, known.tracks, known)
+def _next_of_surfaces(
+    keys: Sequence[int], session: Session, judged_segments: JudgedSegments
+) -> Suggestion:
+    return surface_suggestion(keys, session.spans, judged_segments.tracks, judged_segments)
 
 
 def _missing_of_surfaces(session: Session) -> str:

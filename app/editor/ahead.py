@@ -58,14 +58,16 @@ def tracked_to(record: Ahead) -> str:
     return f"Tracked {'ahead' if record.is_forward else 'back'} to {record.to_frame}"
 
 
-def found_sentence(found: FoundAhead) -> str:
+def found_sentence(found_ahead: FoundAhead) -> str:
     """What is said when it ends."""
-    if found.to_frame == found.frame:
-        why = _WHY_NOT.get(found.stop.cause, "nothing leads on")
-        named = _named(found.stop, found.direction == "forward")
-        nothing = f"Nothing tracked from {found.frame}: {why.format(**named)}."
+    if found_ahead.to_frame == found_ahead.frame:
+        why = _WHY_NOT.get(found_ahead.stop.cause, "nothing leads on")
+        named = _named(found_ahead.stop, found_ahead.direction == "forward")
+        nothing = f"Nothing tracked from {found_ahead.frame}: {why.format(**named)}."
         return f"{nothing} Pose the next keyframe by hand."
-    record = Ahead(from_frame=found.frame, to_frame=found.to_frame, stop=found.stop)
+    record = Ahead(
+        from_frame=found_ahead.frame, to_frame=found_ahead.to_frame, stop=found_ahead.stop
+    )
     return f"{tracked_to(record)}. {why_stopped(record)}."
 
 
@@ -132,7 +134,7 @@ def followed_session(
     if stop is None or to_frame == frame:
         return doc
     record = Ahead(from_frame=frame, to_frame=to_frame, stop=stop, key=ahead_key(doc, keyframe))
-    ordered = sorted((*doc.subject.ahead, record), key=lambda one: one.from_frame)
+    ordered = sorted((*doc.subject.ahead, record), key=lambda ahead: ahead.from_frame)
     return doc.changed({"ahead": tuple(ordered)})
 
 
@@ -142,9 +144,9 @@ def followed_so_far(state: EditorState, frame: int, motion: Trajectory) -> Sessi
     return followed_session(state.doc, frame, motion, to_frame, None, state.times_s)
 
 
-def with_followed(state: EditorState, found: FoundAhead) -> EditorState:
+def with_followed(state: EditorState, found_ahead: FoundAhead) -> EditorState:
     """Take over what was followed, as one step."""
-    given = found.frame, found.motion, found.to_frame, found.stop
+    given = found_ahead.frame, found_ahead.motion, found_ahead.to_frame, found_ahead.stop
     doc = followed_session(state.doc, *given, state.times_s)
     return state.with_step(doc, LABEL)
 

@@ -335,12 +335,12 @@ def with_sizes_fitted(
     """
     skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.view.camera.fx
 
-    def fitted(known: Keyframe) -> Keyframe:
-        pose, own = keyposes[known.frame], known.pose(state.skeleton)
+    def fitted(keyframe: Keyframe) -> Keyframe:
+        pose, own = keyposes[keyframe.frame], keyframe.pose(state.skeleton)
         same = np.array_equal(own.Rs_parent_part, pose.Rs_parent_part)
         if same and np.array_equal(own.p_camera_root, pose.p_camera_root):
-            return known
-        return softened(keyframe_of(skeleton, pose, known.frame, state.times_s), known.soft)
+            return keyframe
+        return softened(keyframe_of(skeleton, pose, keyframe.frame, state.times_s), keyframe.soft)
 
     source = "fitted" if nearer != 1.0 else state.doc.view.lens_source
     doc = with_poses(state.doc, lambda each: at_new_focal(each, nearer)).changed(

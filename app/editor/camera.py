@@ -236,10 +236,10 @@ def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None 
     return with_times(doc, doc.evidence.times_s(file_times_s))
 
 
-def _without_zoom(state: EditorState, seen: Camera) -> Camera:
+def _without_zoom(state: EditorState, camera: Camera) -> Camera:
     """The camera whose lens is this one at the present frame."""
     zoom = zoom_at(state.doc, state.frame)
-    return seen.zoomed(1 / zoom)
+    return camera.zoomed(1 / zoom)
 
 
 def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:

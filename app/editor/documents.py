@@ -156,7 +156,7 @@ def require_all_before_camera(doc: Session, skeleton: Skeleton) -> Session:
 def seen_as_before(before: Session, after: Session) -> Session:
     """All that is posed of any body seen as large as before with the lens and the zoom that a
     session has by now; refused when a joint of any pose lies behind the camera."""
-    if {one.view.camera.projection for one in (before, after)} != {"perspective"}:
+    if {session.view.camera.projection for session in (before, after)} != {"perspective"}:
         return after
     focal = _focal_lengths(after) / _focal_lengths(before)
     if np.allclose(focal, 1.0, rtol=SAME_FOCAL, atol=0.0):

@@ -112,8 +112,8 @@ def drafted_session(
         for frame, pose in poses.items()
         if frame in taken and frame not in keyed
     ]
-    found = _record(doc, frames, taken, poses, proposals, rest, up_camera, flipped)
-    update: dict[str, object] = {"body": body, "drafted": found}
+    drafted = _record(doc, frames, taken, poses, proposals, rest, up_camera, flipped)
+    update: dict[str, object] = {"body": body, "drafted": drafted}
     update |= {} if doc.view.given_keypoints else {"keypoints": keypoints}
     return with_drafts(doc.changed(update), drafts)
 
@@ -155,10 +155,10 @@ SAME_UP_DEG: Final = 2.0
 def has_drafts_for_other_up(doc: Session) -> bool:
     """Whether drafts that nobody has posed were found for another up than the session has by
     now, and can be found anew from their keypoints."""
-    found, up = doc.subject.drafted, doc.world.up_world
-    if found is None or up is None:
+    drafted, up = doc.subject.drafted, doc.world.up_world
+    if drafted is None or up is None:
         return False
-    if found.up_camera is not None and _apart_deg(found.up_camera, up) < SAME_UP_DEG:
+    if drafted.up_camera is not None and _apart_deg(drafted.up_camera, up) < SAME_UP_DEG:
         return False
     return _has_found_keypoints(doc) and bool(to_lift(doc))
 
@@ -190,10 +190,10 @@ def with_lifted(state: EditorState, poses: Mapping[int, Pose]) -> EditorState:
         fresh = keyframe_of(state.skeleton, pose, posed.frame, state.times_s)
         return fresh.model_copy(update={"drafted": True, "soft": posed.soft})
 
-    found = doc.subject.drafted.model_copy(update={"up_camera": doc.world.up_world})
+    drafted = doc.subject.drafted.model_copy(update={"up_camera": doc.world.up_world})
     doc = with_keyframes(doc, [lifted(keyframe) for keyframe in doc.subject.keyframes])
     doc = with_drafts(doc, [lifted(draft) for draft in doc.subject.drafts])
-    return state.with_step(doc.changed({"drafted": found}), LIFTED)
+    return state.with_step(doc.changed({"drafted": drafted}), LIFTED)
 
 
 def frames_of(runs: Iterable[record.FrameRun]) -> list[int]:

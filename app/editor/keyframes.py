@@ -278,8 +278,8 @@ def _count(frames: Collection[int]) -> str:
 
 def _require_all(state: EditorState, frames: Iterable[int]) -> dict[int, Keyframe]:
     """The keyframes at these frames, by frame; refused where there is none at one of them."""
-    known = {keyframe.frame: keyframe for keyframe in state.doc.subject.keyframes}
-    return {frame: known.get(frame) or require_keyframe(state, frame) for frame in frames}
+    keyframes = {keyframe.frame: keyframe for keyframe in state.doc.subject.keyframes}
+    return {frame: keyframes.get(frame) or require_keyframe(state, frame) for frame in frames}
 
 
 def _with_softness(state: EditorState, frames: set[int], soft: bool) -> Session:

@@ -50,10 +50,10 @@ def at_hand(state: EditorState) -> EditorState:
     fitting = {span: tracked[span] for span in state.doc.spans if span in tracked}
     for span in moved:
         fitting.pop(span, None)
-        known = previews.get(span) or _around(tracked, span)
-        if known is not None:
+        segment_result = previews.get(span) or _around(tracked, span)
+        if segment_result is not None:
             start, end = (at[frame].pose(state.skeleton) for frame in span)
-            motion = displaced(known.trajectory, start, end, *span)
+            motion = displaced(segment_result.trajectory, start, end, *span)
             fitting[span] = SegmentResult.on_the_way(Pass("bent", motion, None))
     return replace(state, stroke=None, stands_in=fitting)
 
@@ -86,5 +86,5 @@ def _by_frame(keyframes: tuple[Keyframe, ...]) -> dict[int, Keyframe]:
 @lru_cache(maxsize=1)
 def _tracked(results: ById, doc: ById) -> Fitting:
     """What was known before the gesture: the same at each of its moves."""
-    found: Fitting = results.it.fitting(doc.it)
-    return found
+    segment_results: Fitting = results.it.fitting(doc.it)
+    return segment_results

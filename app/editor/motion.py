@@ -129,11 +129,11 @@ def _motions(edit: EditorState, frames: NDArray[np.int64]) -> Iterator[tuple[Arr
         wanted, done = frames[done:stop], stop
         if len(wanted) == 0:
             continue
-        found = fitting.get((start, end))
-        if found is None:
+        segment_result = fitting.get((start, end))
+        if segment_result is None:
             yield _untracked(edit, start, end, wanted)
         else:
-            motion, rows = found.trajectory, wanted - start
+            motion, rows = segment_result.trajectory, wanted - start
             yield motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
 
 
@@ -144,8 +144,8 @@ def _untracked(
     if found is not None:
         return found
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
-    doc, known = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
-    at, pose = next((k.frame, k.pose(skeleton)) for k in known if k is not None)
+    doc, keyframes = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
+    at, pose = next((k.frame, k.pose(skeleton)) for k in keyframes if k is not None)
     begin, finish = (carried_pose(doc, at, pose, frame) for frame in (start, end))
     return even_motion(doc, begin, finish, (start, end), frames)
 

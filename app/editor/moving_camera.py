@@ -81,13 +81,13 @@ class CameraMatch(Edit):
         if self.other == frame:
             raise ActionRefused("Mark the same points at another frame of the film first.")
         try:
-            found = self._matched(doc.view.camera.without_distortion(), zoom_at(doc, self.other))
+            matched = self._matched(doc.view.camera.without_distortion(), zoom_at(doc, self.other))
         except CameraError as error:
             raise ActionRefused(str(error)) from None
-        if np.median(found.error_px) > MOST_OFF_PX:
+        if np.median(matched.error_px) > MOST_OFF_PX:
             raise ActionRefused("No turn of the camera explains these points: check them.")
-        R = found.R_other_one @ T_camera_world(doc, self.other)[:3, :3]
-        return _corrected(state, R @ T_camera_world(doc, frame)[:3, :3].T, found.zoom)
+        R = matched.R_other_one @ T_camera_world(doc, self.other)[:3, :3]
+        return _corrected(state, R @ T_camera_world(doc, frame)[:3, :3].T, matched.zoom)
 
     def _matched(self, camera: Camera, zoom: float) -> Matched:
         """The turn between both frames; a zoom only where no turn alone explains the points, since
@@ -98,9 +98,9 @@ class CameraMatch(Edit):
 
         marked = np.array(self.there), np.array(self.here)
         with suppress(CameraError):
-            found = rotation_from_matches(*marked, camera, zoom, zooms=False)
-            if np.median(found.error_px) <= CLICKED_PX:
-                return found
+            matched = rotation_from_matches(*marked, camera, zoom, zooms=False)
+            if np.median(matched.error_px) <= CLICKED_PX:
+                return matched
         return rotation_from_matches(*marked, camera, zoom)
 
 

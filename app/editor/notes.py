@@ -41,8 +41,8 @@ class _OfKeypoint(Edit):
 
     def _with(self, state: EditorState, correction: KeypointCorrection | None) -> Session:
         _require_counting(state.doc, self.joint)
-        place, known = (self.frame, self.joint), state.doc.view.keypoint_corrections
-        every = [each for each in known if _frame_and_joint(each) != place]
+        place, keypoint_corrections = (self.frame, self.joint), state.doc.view.keypoint_corrections
+        every = [each for each in keypoint_corrections if _frame_and_joint(each) != place]
         every += [] if correction is None else [correction]
         corrections = tuple(sorted(every, key=_frame_and_joint))
         return state.doc.changed({"keypoint_corrections": corrections})
@@ -233,7 +233,7 @@ def _answered(doc: Session, place: Place, answer: Answer) -> Session:
     x, y, z = (float(value) for value in place.end_m)
     part = place.part or doc.subject.body.names[0]
     first, last = min(place.frames[0], place.frame), max(place.frames[1], place.frame)
-    given = Reviewed(
+    reviewed = Reviewed(
         part=part,
         frame=place.frame,
         first_frame=first,
@@ -246,4 +246,4 @@ def _answered(doc: Session, place: Place, answer: Answer) -> Session:
         for old in doc.subject.reviewed
         if old.part != part or old.last_frame < first or old.first_frame > last
     ]
-    return doc.changed({"reviewed": (*others, given)})
+    return doc.changed({"reviewed": (*others, reviewed)})

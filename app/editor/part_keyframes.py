@@ -68,14 +68,14 @@ class UnkeyParts(Edit):
     parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
 
     def apply(self, state: EditorState) -> Session:
-        known = find(state.doc.subject.part_keyframes, self.frame)
-        if known is None:
+        part_keyframe = find(state.doc.subject.part_keyframes, self.frame)
+        if part_keyframe is None:
             raise ActionRefused(f"Frame {self.frame} is not a part keyframe.")
         gone = set(limbs_of(state.doc.subject.body, self.parts))
-        left = tuple(part for part in known.parts if part not in gone)
+        left = tuple(part for part in part_keyframe.parts if part not in gone)
         rest = without(state.doc.subject.part_keyframes, self.frame)
         if left:
-            rest = (*rest, known.model_copy(update={"parts": left}))
+            rest = (*rest, part_keyframe.model_copy(update={"parts": left}))
         return with_part_keyframes(state.doc, rest)
 
 
@@ -153,8 +153,8 @@ def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
 def _with_parts(state: EditorState, frame: int, pose: Pose, parts: Iterable[str]) -> Session:
     """These parts keyed as the pose has them, beside those that were."""
     require_before_camera(state.skeleton, pose)
-    known = find(state.doc.subject.part_keyframes, frame)
-    keyed = {*parts, *(known.parts if known is not None else ())}
+    part_keyframe = find(state.doc.subject.part_keyframes, frame)
+    keyed = {*parts, *(part_keyframe.parts if part_keyframe is not None else ())}
     whole = keyframe_of(state.skeleton, pose, frame, state.times_s)
     made = PartKeyframe(
         **whole.model_dump(), parts=tuple(n for n in state.doc.subject.body.names if n in keyed)

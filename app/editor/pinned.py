@@ -38,10 +38,10 @@ def corner_near(
     return x, y, z
 
 
-def shares_points(one: Pin, other: Pin) -> bool:
+def shares_points(pin: Pin, other: Pin) -> bool:
     """Whether two pins hold a point in common, whatever their frames."""
-    span = {"first_frame": one.first_frame, "last_frame": one.last_frame}
-    return one.overlaps(other.model_copy(update=span))
+    span = {"first_frame": pin.first_frame, "last_frame": pin.last_frame}
+    return pin.overlaps(other.model_copy(update=span))
 
 
 def pins_at(session: Session, frame: int) -> tuple[Pin, ...]:
@@ -52,9 +52,9 @@ def pins_at(session: Session, frame: int) -> tuple[Pin, ...]:
 def pinned_ends(session: Session, frame: int) -> frozenset[str]:
     """Names of the handles, hands and feet, that are pinned at a frame."""
     parts = {pin.part for pin in pins_at(session, frame)}
-    known = handles(session.subject.body) if parts else ()
+    body_handles = handles(session.subject.body) if parts else ()
     return frozenset(
-        handle.name for handle in known if handle.kind == "end" and handle.part in parts
+        handle.name for handle in body_handles if handle.kind == "end" and handle.part in parts
     )
 
 
@@ -68,10 +68,10 @@ def open_proposals(state: EditorState) -> tuple[Pin, ...]:
 
 def pin_result(state: EditorState, pin: Pin) -> PinResult | None:
     """How well this very pin holds where the motion is solved for; None before."""
-    found = [one for stretch in state.results.space(state.settled) for one in stretch.pins]
+    pin_results = [one for stretch in state.results.space(state.settled) for one in stretch.pins]
     own = [
         one
-        for one in found
+        for one in pin_results
         if (one.part, one.landmarks) == (pin.part, pin.landmarks)
         and pin.first_frame <= one.first_frame
         and one.last_frame <= pin.last_frame
@@ -119,15 +119,15 @@ def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Arra
     held = np.array(pin.points(state.doc.subject.body))
     part = state.doc.subject.body.index(pin.part)
     points = np.full((stop - start, len(held), 3), np.nan)
-    for (first, last), found in state.fitting.items():
+    for (first, last), segment_result in state.fitting.items():
         begin, end = max(first, start), min(last + 1, stop)
         if begin >= end:
             continue
-        rows, path = slice(begin - first, end - first), found.trajectory
+        rows, path = slice(begin - first, end - first), segment_result.trajectory
         Ts = part_transforms(state.skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])
         Ts = in_world(state.doc, Ts[:, part], np.arange(begin, end))
         seen = held @ Ts[:, :3, :3].transpose(0, 2, 1) + Ts[:, None, :3, 3]
-        seen[~found.tracked[rows]] = np.nan
+        seen[~segment_result.tracked[rows]] = np.nan
         points[begin - start : end - start] = seen
     return points
 

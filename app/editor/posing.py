@@ -57,9 +57,13 @@ def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
     if readout is not None:
         return readout.corners
     pose = shown_pose(state).pose if state.posed_by_corners else None
-    for one in reversed(state.posed_by_corners):
-        if one.frame == state.frame and one.camera == state.camera and _is_same(one.pose, pose):
-            return one.corners
+    for posed_by_corners in reversed(state.posed_by_corners):
+        if (
+            posed_by_corners.frame == state.frame
+            and posed_by_corners.camera == state.camera
+            and _is_same(posed_by_corners.pose, pose)
+        ):
+            return posed_by_corners.corners
     return ()
 
 
@@ -71,11 +75,11 @@ def with_corners(state: EditorState, corners: tuple[PlacedCorner, ...]) -> Edito
     return replace(state, posed_by_corners=(*state.posed_by_corners, new)[-REMEMBERED:])
 
 
-def _is_same(one: Pose, other: Pose | None) -> bool:
-    if other is None or one.Rs_parent_part.shape != other.Rs_parent_part.shape:
+def _is_same(pose: Pose, other: Pose | None) -> bool:
+    if other is None or pose.Rs_parent_part.shape != other.Rs_parent_part.shape:
         return False
-    turned = np.abs(one.Rs_parent_part - other.Rs_parent_part).max()
-    return bool(max(turned, np.abs(one.p_camera_root - other.p_camera_root).max()) < _SAME)
+    turned = np.abs(pose.Rs_parent_part - other.Rs_parent_part).max()
+    return bool(max(turned, np.abs(pose.p_camera_root - other.p_camera_root).max()) < _SAME)
 
 
 class Drag(Edit, Gesture):
@@ -137,7 +141,7 @@ def _held(before: EditorState, frame: int, pose: Pose) -> Held:
 def _is_posed_elsewhere(state: EditorState) -> bool:
     """Whether a pose at another frame was found with the sizes as they are."""
     posed = (*state.doc.subject.keyframes, *state.doc.subject.drafts)
-    return any(one.frame != state.frame for one in posed)
+    return any(keyframe.frame != state.frame for keyframe in posed)
 
 
 def _placed(doc: Session, pose: Pose) -> frozenset[str]:

@@ -174,7 +174,11 @@ def _motion(
 ) -> tuple[Source, Trajectory]:
     """The motion between two frames, from a source that has poses at two of them at least."""
     makers = {
-        "tracked": lambda: [found.trajectory for found in fitting.values() if found.finished],
+        "tracked": lambda: [
+            segment_result.trajectory
+            for segment_result in fitting.values()
+            if segment_result.finished
+        ],
         "drafts": lambda: _posed(doc, doc.subject.drafts),
         "imported": lambda: [] if imported is None else _on_keyframes(doc, imported),
     }
@@ -256,20 +260,20 @@ def _with_limbs_keyed(
     """Set part keyframes at these frames, but for those that are keyframes."""
     skeleton = Skeleton.of(doc.subject.body)
     keyed = {keyframe.frame for keyframe in doc.subject.keyframes}
-    known = {each.frame: each for each in doc.subject.part_keyframes}
+    part_keyframes = {each.frame: each for each in doc.subject.part_keyframes}
     limbs = {doc.subject.body.names[i] for i in found.parts or ()}
     for frame in frames:
         if frame in keyed:
             continue
-        if frame in known:
-            parts = limbs | set(known[frame].parts)
-            base: Keyframe = known[frame]
+        if frame in part_keyframes:
+            parts = limbs | set(part_keyframes[frame].parts)
+            base: Keyframe = part_keyframes[frame]
         else:
             parts, base = limbs, keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
         ordered = tuple(name for name in doc.subject.body.names if name in parts)
-        known[frame] = PartKeyframe(**{**base.model_dump(), "parts": ordered})
-    _require_few("part_keyframes", len(known))
-    return with_part_keyframes(doc, known.values())
+        part_keyframes[frame] = PartKeyframe(**{**base.model_dump(), "parts": ordered})
+    _require_few("part_keyframes", len(part_keyframes))
+    return with_part_keyframes(doc, part_keyframes.values())
 
 
 def _require_few(what: str, count: int) -> None:

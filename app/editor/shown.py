@@ -121,10 +121,10 @@ def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
 
 def require_keyframe(state: EditorState, frame: int) -> Keyframe:
     """The keyframe at a frame; refused where there is none."""
-    found = find(state.doc.subject.keyframes, frame)
-    if found is None:
+    keyframe = find(state.doc.subject.keyframes, frame)
+    if keyframe is None:
         raise ActionRefused(f"Frame {frame} is not a keyframe.")
-    return found
+    return keyframe
 
 
 def part_at(state: EditorState, part: str, frame: int) -> Array:
@@ -134,15 +134,15 @@ def part_at(state: EditorState, part: str, frame: int) -> Array:
 
 
 def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
-    known = state.doc.subject.keyframes or state.doc.subject.drafts
-    if not known:
+    keyframes = state.doc.subject.keyframes or state.doc.subject.drafts
+    if not keyframes:
         return ShownPose(state.opening, "rest")
-    place = bisect_right([keyframe.frame for keyframe in known], frame)
-    if place == 0 or place == len(known):
-        nearest = known[min(place, len(known) - 1)]
+    place = bisect_right([keyframe.frame for keyframe in keyframes], frame)
+    if place == 0 or place == len(keyframes):
+        nearest = keyframes[min(place, len(keyframes) - 1)]
         held = carried_pose(state.doc, nearest.frame, nearest.pose(state.skeleton), frame)
         return ShownPose(held, "held")
-    before, after = known[place - 1], known[place]
+    before, after = keyframes[place - 1], keyframes[place]
     here = np.array([frame])
     motion = state.between(state.doc, before.frame, after.frame, here) if state.kept else None
     if motion is not None:

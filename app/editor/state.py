@@ -168,8 +168,10 @@ class EditorState:
         begin, finish = at[start].pose(skeleton), at[end].pose(skeleton)
         kept = None if self.kept is None else self.kept.over(doc, start, end)
         if kept is not None:
-            found = displaced(kept, begin, finish, start, end)
-            return found.Rs_parent_part[frames - start], found.ps_camera_root[frames - start]
+            trajectory = displaced(kept, begin, finish, start, end)
+            return trajectory.Rs_parent_part[frames - start], trajectory.ps_camera_root[
+                frames - start
+            ]
         return even_motion(doc, begin, finish, (start, end), frames)
 
     def with_repeats(self, repeats: Repeats | None) -> EditorState:
@@ -179,8 +181,8 @@ class EditorState:
             return self
 
         def knowing(doc: Session) -> Session:
-            known = doc.view.video.model_copy(update={"repeats": repeats})
-            return doc.changed({"video": known})
+            video_reference = doc.view.video.model_copy(update={"repeats": repeats})
+            return doc.changed({"video": video_reference})
 
         stroke = self.stroke and replace(self.stroke, before=knowing(self.stroke.before))
         return replace(self, doc=knowing(self.doc), stroke=stroke)
@@ -188,10 +190,10 @@ class EditorState:
     @property
     def proposals(self) -> tuple[Pin, ...]:
         """Where feet stand still, as the motion was last solved for in space."""
-        known = self.results.space(self.settled)
-        if not known:
+        space_results = self.results.space(self.settled)
+        if not space_results:
             return self.proposed_pins
-        return pins_apart([pin for stretch in known for pin in stretch.proposed])
+        return pins_apart([pin for stretch in space_results for pin in stretch.proposed])
 
     def stamped(self, before: EditorState, now_s: float) -> EditorState:
         """The same with the time of the step that was made since `before`, seconds since 1970."""

@@ -82,7 +82,7 @@ class _Said:
 def compared(
     session: Session,
     file: str,
-    found: CameraFile,
+    camera_file: CameraFile,
     original: CameraFile,
     reading: CameraReading,
     film: FilmFrames,
@@ -90,14 +90,14 @@ def compared(
 ) -> Comparison:
     """What the background of the film says of a camera that moves.
 
-    found: its way in frames of the film.  original: as it was read, by its own frames.
+    camera_file: its way in frames of the film.  original: as it was read, by its own frames.
     """
-    way = found.way
-    if way is None or len(way.frames) < 2:
+    camera_way = camera_file.way
+    if camera_way is None or len(camera_way.frames) < 2:
         return Comparison(None)
-    camera = found.camera or session.view.camera
-    pairs = _pairs(session, way, video)
-    off = _Said(camera, way).off_px(pairs)
+    camera = camera_file.camera or session.view.camera
+    pairs = _pairs(session, camera_way, video)
+    off = _Said(camera, camera_way).off_px(pairs)
     if off is None or off <= DOUBT_SHARE * camera.width:
         return Comparison(off)
     usual_px = max(pair.way_px for pair in pairs)
@@ -106,7 +106,7 @@ def compared(
     best: tuple[float, str, str] | None = None
     least = min(BETTER * off, OFF_SHARE * camera.width)
     farthest = FARTHEST if off > OFF_SHARE * camera.width else NEAREST
-    for kind, value, said in _others(session, file, found, original, reading, film, farthest):
+    for kind, value, said in _others(session, file, camera_file, original, reading, film, farthest):
         other = said.off_px(pairs)
         if other is not None and other < least and (best is None or other * AS_GOOD < best[0]):
             best = other, kind, value
@@ -115,10 +115,10 @@ def compared(
     return Comparison(off, Note("background off", (off, *(best or ()))))
 
 
-def _pairs(session: Session, way: CameraWay, video: Video) -> list[Pair]:
+def _pairs(session: Session, camera_way: CameraWay, video: Video) -> list[Pair]:
     """Points followed at a few places of what the file has of the film."""
     view, count = session.view, session.view.video.frame_count
-    first, last = max(int(way.frames[0]), 0), min(int(way.frames[-1]), count - 1)
+    first, last = max(int(camera_way.frames[0]), 0), min(int(camera_way.frames[-1]), count - 1)
     span = int(np.clip((last - first) // 3, SHORTEST, LONGEST))  # so that a shift leaves some
     starts = np.linspace(first, max(last - span, first), PLACES).astype(int)
     skeleton = Skeleton.of(session.subject.body)
@@ -142,66 +142,70 @@ def _pairs(session: Session, way: CameraWay, video: Video) -> list[Pair]:
 def _others(
     session: Session,
     file: str,
-    found: CameraFile,
+    camera_file: CameraFile,
     original: CameraFile,
     reading: CameraReading,
     film: FilmFrames,
     farthest: int,
 ) -> Iterable[tuple[str, str, _Said]]:
     """How else the file could be meant: what of it, as what, and the camera then."""
-    assert found.way is not None
+    assert camera_file.way is not None
     assert original.way is not None
-    camera = found.camera or session.view.camera
+    camera = camera_file.camera or session.view.camera
     if original.columns is not None:
-        yield from _of_columns(session, file, found, original.columns, reading)
+        yield from _of_columns(session, file, camera_file, original.columns, reading)
     own = original.way.frames
     if (
         farthest == FARTHEST
         and original.way.clock == "numbers"
-        and len(own) == len(found.way.frames)
+        and len(own) == len(camera_file.way.frames)
     ):
-        start, began = own[0], float(found.way.frames[0])
+        start, began = own[0], float(camera_file.way.frames[0])
         for rate in RATES:
             if abs(rate / film.rate - 1) > 1e-3:
                 frames = film.at((own - start) / rate + film.second(began))
-                yield "rate", f"{rate:.5g}", _Said(camera, replace(found.way, frames=frames))
+                yield "rate", f"{rate:.5g}", _Said(camera, replace(camera_file.way, frames=frames))
     near = {*range(-farthest, farthest + 1)} - {0}
-    ends = _ends(original.way, found.way, len(film)) if farthest == FARTHEST else set()
+    ends = _ends(original.way, camera_file.way, len(film)) if farthest == FARTHEST else set()
     for shift in sorted(near | ends, key=abs):
-        moved = replace(found.way, frames=found.way.frames + shift)
-        offset = found.way.frames[0] - _origin(original.way, film) + shift
+        moved = replace(camera_file.way, frames=camera_file.way.frames + shift)
+        offset = camera_file.way.frames[0] - _origin(original.way, film) + shift
         yield "offset", f"{round(float(offset))}", _Said(camera, moved)
 
 
 def _of_columns(
-    session: Session, file: str, found: CameraFile, columns: Array, reading: CameraReading
+    session: Session, file: str, camera_file: CameraFile, columns: Array, reading: CameraReading
 ) -> Iterable[tuple[str, str, _Said]]:
     """The other meanings of the columns of .chan."""
-    assert found.way is not None
+    assert camera_file.way is not None
     size = (session.view.camera.width, session.view.camera.height)
     orders = [("order", order, replace(reading, rotation_order=order)) for order in ROTATION_ORDERS]
     lenses = [("lens", lens, replace(reading, lens_column=lens)) for lens in LENS_COLUMNS]
     if columns.shape[1] < 8:
         lenses = []
-    for kind, value, other in (*orders, *lenses):
-        if other == reading:
+    for kind, value, camera_reading in (*orders, *lenses):
+        if camera_reading == reading:
             continue
         try:
-            read = camera_of_columns(file, columns, size, other)
+            read = camera_of_columns(file, columns, size, camera_reading)
         except FormatError:
             continue  # it cannot be meant so
-        if read.way is not None and len(read.way.frames) == len(found.way.frames):
-            way = replace(read.way, frames=found.way.frames, clock="frames")
-            yield kind, value, _Said(read.camera or session.view.camera, way)
+        if read.way is not None and len(read.way.frames) == len(camera_file.way.frames):
+            camera_way = replace(read.way, frames=camera_file.way.frames, clock="frames")
+            yield kind, value, _Said(read.camera or session.view.camera, camera_way)
 
 
-def _origin(way: CameraWay, film: FilmFrames) -> float:
+def _origin(camera_way: CameraWay, film: FilmFrames) -> float:
     """What an offset of the file's first frame or time is counted from."""
-    return float(way.frames[0]) if way.clock != "seconds" else float(way.frames[0]) * film.rate
+    return (
+        float(camera_way.frames[0])
+        if camera_way.clock != "seconds"
+        else float(camera_way.frames[0]) * film.rate
+    )
 
 
-def _ends(original: CameraWay, way: CameraWay, count: int) -> set[int]:
+def _ends(original: CameraWay, camera_way: CameraWay, count: int) -> set[int]:
     """By how many frames a file lies elsewhere that begins or ends with the film, or counts its
     frames from 0."""
-    first, last = int(way.frames[0]), int(way.frames[-1])
+    first, last = int(camera_way.frames[0]), int(camera_way.frames[-1])
     return {-first, count - 1 - last, int(original.frames[0]) - first} - {0}

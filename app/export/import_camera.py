@@ -69,7 +69,7 @@ def film_or_none(opened: Callable[[], Video]) -> Iterator[Video | None]:
 
 def brought(
     session: Session,
-    found: CameraFile,
+    camera_file: CameraFile,
     file: str,
     order: ImportCamera,
     video: Video | None,
@@ -79,35 +79,39 @@ def brought(
 
     video: None where the film cannot be opened, or is not to be looked at.
     """
-    if found.way is None:
-        return found
-    if video is None and found.way.clock == "seconds":
+    if camera_file.way is None:
+        return camera_file
+    if video is None and camera_file.way.clock == "seconds":
         raise FormatError(f"{file} has times, and the film that they are of cannot be opened.")
     film = film_frames(session, None if video is None else video.info)
-    way, notes = placed(file, found.way, film, order.offset_frames)
-    is_metric = way.is_metric and found.floor_m is None  # which Keypose alone writes, in metres
-    speed = _speed(way, film) if is_metric and order.unit is None else ()
-    here = replace(found, way=way, notes=(*found.notes, *notes, *speed))
+    camera_way, notes = placed(file, camera_file.way, film, order.offset_frames)
+    is_metric = (
+        camera_way.is_metric and camera_file.floor_m is None
+    )  # which Keypose alone writes, in metres
+    speed = _speed(camera_way, film) if is_metric and order.unit is None else ()
+    here = replace(camera_file, way=camera_way, notes=(*camera_file.notes, *notes, *speed))
     if video is None:
         return replace(here, notes=(*here.notes, Note("film not compared")))
     if session.evidence.has_surface:
         return here
     from keypose.app.export.camera_check import compared  # loads what only this needs
 
-    said = compared(session, file, here, found, reading_of(order), film, video)
+    said = compared(session, file, here, camera_file, reading_of(order), film, video)
     notes = here.notes if said.note is None else (*here.notes, said.note)
     return replace(here, notes=notes, background_px=said.off_px)
 
 
-def _speed(way: CameraWay, film: FilmFrames) -> tuple[Note, ...]:
+def _speed(camera_way: CameraWay, film: FilmFrames) -> tuple[Note, ...]:
     """A note where a camera goes faster than one is carried, were its unit the metre."""
-    frames = np.clip(way.frames[[0, -1]], 0, len(film) - 1)
+    frames = np.clip(camera_way.frames[[0, -1]], 0, len(film) - 1)
     seconds = film.second(float(frames[1])) - film.second(float(frames[0]))
-    metres = float(np.linalg.norm(np.diff(way.Ts_world_camera[:, :3, 3], axis=0), axis=1).sum())
+    metres = float(
+        np.linalg.norm(np.diff(camera_way.Ts_world_camera[:, :3, 3], axis=0), axis=1).sum()
+    )
     return (Note("camera speed", (metres, seconds)),) if metres > FASTEST_M_S * seconds else ()
 
 
-def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
+def with_camera_file(session: Session, camera_file: CameraFile, file: str) -> Session:
     """The session with the camera of a file of this name.
 
     What was posed keeps its place in the picture as far as the focal length goes: a longer lens
@@ -115,25 +119,25 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     comes back unchanged outdates no motion. Refused where that cannot be.
     """
     count = session.view.video.frame_count
-    if found.way is not None:
-        found = replace(found, way=_of_film(found.way, count, file))
-        found = found.from_row(_first_of_film(found.way))
-    old, new = session.view.camera, found.camera
+    if camera_file.way is not None:
+        camera_file = replace(camera_file, way=_of_film(camera_file.way, count, file))
+        camera_file = camera_file.from_row(_first_of_film(camera_file.way))
+    old, new = session.view.camera, camera_file.camera
     seen = session
     if new is not None:
         seen = session.changed({"lens_source": "calibration", "camera": new})
         if new.model_copy(update={"origin": old.origin}) == old:
             seen = seen.changed({"camera": old})
-    if found.up_camera is not None:
-        turned = seen.with_up(found.up_camera)
+    if camera_file.up_camera is not None:
+        turned = seen.with_up(camera_file.up_camera)
         if turned_deg(session, turned) > SAME_DEG:
             seen = turned
-    if found.way is not None:
-        motion = camera_motion_of(found.way, count, file)
+    if camera_file.way is not None:
+        motion = camera_motion_of(camera_file.way, count, file)
         seen = seen.changed({"camera_motion": motion, "camera_keyframes": ()})
         settings = session.settings.model_copy(update={"static_camera": False})
         seen = seen.changed({"settings": settings})
-    floor_m = found.floor_m
+    floor_m = camera_file.floor_m
     if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
         seen = seen.changed({"floor_m": round(floor_m, DECIMALS)})
     made = seen_as_before(session, seen)
@@ -141,16 +145,16 @@ def with_camera_file(session: Session, found: CameraFile, file: str) -> Session:
     return made
 
 
-def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotion:
+def camera_motion_of(camera_way: CameraWay, frame_count: int, file: str) -> CameraMotion:
     """The motion of a file's camera over a film of so many frames.
 
     Frames that the file does not name are bridged, held at the ends, and reported. FormatError
     where it names none of the film.
     """
-    way = _of_film(way, frame_count, file)
-    way = way.rows((way.frames >= 0) & (way.frames < frame_count))
-    frames: NDArray[np.int64] = way.frames
-    here = CameraPath(_from_first(way.Ts_world_camera), way.zoom)
+    camera_way = _of_film(camera_way, frame_count, file)
+    camera_way = camera_way.rows((camera_way.frames >= 0) & (camera_way.frames < frame_count))
+    frames: NDArray[np.int64] = camera_way.frames
+    here = CameraPath(_from_first(camera_way.Ts_world_camera), camera_way.zoom)
     row = np.interp(np.arange(frame_count), frames, np.arange(len(frames)))
     path = here.sampled(row)
     Ts_exact, zoom = path.Ts_camera_world.copy(), path.zoom.copy()
@@ -163,10 +167,10 @@ def camera_motion_of(way: CameraWay, frame_count: int, file: str) -> CameraMotio
         for first, last in runs(missing)
     )
     exact = CameraPath(Ts_exact, zoom)
-    moves = exact.moves or bool(way.unscaled)
+    moves = exact.moves or bool(camera_way.unscaled)
     kind: Literal["turns", "moves"] = "moves" if moves else "turns"
-    metres = 1.0 if way.is_metric or kind == "turns" else None
-    pieces = _pieces(metres, way.unscaled, frame_count)
+    metres = 1.0 if camera_way.is_metric or kind == "turns" else None
+    pieces = _pieces(metres, camera_way.unscaled, frame_count)
     try:
         return CameraMotion.of(kind, exact, None, findings, file[:120], pieces)
     except ValidationError as error:
@@ -193,17 +197,21 @@ def _from_first(Ts_world_camera: Array) -> Array:
     return np.asarray(Ts)
 
 
-def _first_of_film(way: CameraWay | None) -> int:
+def _first_of_film(camera_way: CameraWay | None) -> int:
     """The row of the first frame of the film that a file names."""
-    return 0 if way is None else int((way.frames >= 0).argmax())
+    return 0 if camera_way is None else int((camera_way.frames >= 0).argmax())
 
 
-def _of_film(way: CameraWay, frame_count: int, file: str) -> CameraWay:
+def _of_film(camera_way: CameraWay, frame_count: int, file: str) -> CameraWay:
     """The way in frames of the film; of a film of which only their number is known, as its file
     counts them. FormatError where none lies in it."""
-    if way.clock == "frames" and (way.frames < frame_count).any() and (way.frames >= 0).any():
-        return way
-    return placed(file, way, FilmFrames(np.arange(frame_count, dtype=float)))[0]
+    if (
+        camera_way.clock == "frames"
+        and (camera_way.frames < frame_count).any()
+        and (camera_way.frames >= 0).any()
+    ):
+        return camera_way
+    return placed(file, camera_way, FilmFrames(np.arange(frame_count, dtype=float)))[0]
 
 
 def turned_deg(session: Session, made: Session) -> float:

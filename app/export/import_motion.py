@@ -148,20 +148,22 @@ def fit_to_session(
     return ImportedMotion(fit, known, size, scale, aligned, from_keyframes, miss_px, notes)
 
 
-def pose_draft(session: Session, found: ImportedMotion, file: str, times_s: Array) -> Draft:
+def pose_draft(
+    session: Session, imported_motion: ImportedMotion, file: str, times_s: Array
+) -> Draft:
     """Make a draft of a motion of one frame; FormatError where that frame is posed already."""
-    frame = found.fit.trajectory.first_frame
+    frame = imported_motion.fit.trajectory.first_frame
     if frame in {k.frame for k in (*session.subject.keyframes, *session.subject.drafts)}:
         raise FormatError(
             f"{file} holds one frame, a pose to draft, and frame {frame} of the video is posed "
             "already: choose another frame for it."
         )
-    skeleton, pose = Skeleton.of(session.subject.body), found.fit.trajectory.pose(frame)
+    skeleton, pose = Skeleton.of(session.subject.body), imported_motion.fit.trajectory.pose(frame)
     keyframe = keyframe_of(skeleton, pose, frame, times_s)
-    doubtful = bool(found.notes)
-    converged = bool(found.fit.converged[0])
-    miss_px = float(found.miss_px[0])
-    return Draft(keyframe, len(found.matched.known), miss_px, converged, doubtful)
+    doubtful = bool(imported_motion.notes)
+    converged = bool(imported_motion.fit.converged[0])
+    miss_px = float(imported_motion.miss_px[0])
+    return Draft(keyframe, len(imported_motion.matched.known), miss_px, converged, doubtful)
 
 
 def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:

@@ -91,9 +91,9 @@ def import_file(
         people = read_people(path, order.individual)
         return import_keypoints(session, people, path.name, order, video, progress)
     size = (session.view.camera.width, session.view.camera.height)
-    found = load_camera(path, size, reading_of(order))
+    camera_file = load_camera(path, size, reading_of(order))
     with film_or_none(lambda: open_for_work(session, video.path, video.path.parent)) as film:
-        return brought(session, found, path.name, order, film)
+        return brought(session, camera_file, path.name, order, film)
 
 
 # --- motion
@@ -123,11 +123,17 @@ def import_motion(
     offset_s = _offset_s(order, times_s)
     names = None if order.names is None else load_names(order.names)
     given = (names, dict(order.places), progress)
-    found = fit_to_session(session, motion, file, times_s, offset_s, *given)
-    if len(found.fit.trajectory) > 1:
-        return MotionImport(found, motion.names)
-    draft = pose_draft(session, found, file, times_s)
-    return DraftImport((draft,), found.matched, motion.names, (draft.keyframe.frame,), found.notes)
+    imported_motion = fit_to_session(session, motion, file, times_s, offset_s, *given)
+    if len(imported_motion.fit.trajectory) > 1:
+        return MotionImport(imported_motion, motion.names)
+    draft = pose_draft(session, imported_motion, file, times_s)
+    return DraftImport(
+        (draft,),
+        imported_motion.matched,
+        motion.names,
+        (draft.keyframe.frame,),
+        imported_motion.notes,
+    )
 
 
 def _offset_s(order: ImportMotion, times_s: Array) -> float | None:
@@ -158,11 +164,11 @@ def import_keypoints(
     keypoints = keypoints_of(file, people, order.layout, facts)
     if order.exchange:
         keypoints = keypoints.exchanged()
-    known = match_keypoints(session, keypoints, file, dict(order.places))
+    matched = match_keypoints(session, keypoints, file, dict(order.places))
     frames = _wanted_frames(session, keypoints, order)
     times_s = session.evidence.times_s(video.times_s)
-    drafts = drafts_of(session, keypoints, known, frames, times_s, progress)
-    return DraftImport(drafts, known, keypoints.names, tuple(frames), notes)
+    drafts = drafts_of(session, keypoints, matched, frames, times_s, progress)
+    return DraftImport(drafts, matched, keypoints.names, tuple(frames), notes)
 
 
 def video_facts(session: Session, info: VideoInfo) -> VideoFacts:
@@ -191,10 +197,10 @@ def _wanted_frames(session: Session, keypoints: Keypoints, order: ImportKeypoint
 # --- names
 
 
-def names_of(known: Matched, names: Sequence[str]) -> dict[str, Any]:
+def names_of(matched: Matched, names: Sequence[str]) -> dict[str, Any]:
     """Which of a file's names are known."""
     return {
-        "convention": known.convention,
-        "matched": {names[i]: ours for i, ours, _ in known.known},
-        "left_out": list(known.left_out),
+        "convention": matched.convention,
+        "matched": {names[i]: ours for i, ours, _ in matched.known},
+        "left_out": list(matched.left_out),
     }

@@ -118,8 +118,8 @@ def matte_of(
     reached = min(first, *seeds), max(last, *seeds)
     skeleton = Skeleton.of(session.subject.body)
     detected = detected_keypoints(session, video)
-    seen = detected.follow(reached, skeleton, seeds, looked)
-    if seen is None or all(seen.mask(n) is None for n in range(first, last + 1)):
+    keypoints = detected.follow(reached, skeleton, seeds, looked)
+    if keypoints is None or all(keypoints.mask(n) is None for n in range(first, last + 1)):
         raise SessionError(
             f"No person was found in frames {first} to {last}, starting from the poses at "
             f"{listed([str(n) for n in seeds])}: pose the body over a person who is seen well."
@@ -130,9 +130,9 @@ def matte_of(
 
     changes = _drafted_changes(session, reached)
     if changes is None:
-        changes = detected.changes(seen, list(seeds), looked_again)
+        changes = detected.changes(keypoints, list(seeds), looked_again)
     own = _own(changes, list(seeds), reached)
-    return Matte(session, video, order, first, last, seen, own, progress, looks)
+    return Matte(session, video, order, first, last, keypoints, own, progress, looks)
 
 
 def _drafted_changes(session: Session, frames: tuple[int, int]) -> tuple[int, ...] | None:
@@ -153,12 +153,12 @@ def _own(changes: Sequence[int], seeds: Sequence[int], frames: tuple[int, int]) 
 
 
 def shown_mask(
-    session: Session, video: Video, frame: int, pose: Pose, known: Keypoints | None
+    session: Session, video: Video, frame: int, pose: Pose, keypoints: Keypoints | None
 ) -> NDArray[np.uint8]:
     """The alpha (H, W) of one frame through an ideal lens, looked for around a pose where it
     is not known; SessionError where there is nobody."""
     _require_person(session, session.title)
-    mask = None if known is None else known.mask(frame)
+    mask = None if keypoints is None else keypoints.mask(frame)
     if mask is None:
         found = detected_keypoints(session, video).at(
             frame, Skeleton.of(session.subject.body), pose

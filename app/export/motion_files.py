@@ -172,16 +172,18 @@ def saved_motion(
 
 def shown_motion(edit: EditorState) -> Recording:
     """The motion that the page shows: of those segments that are tracked as they stand."""
-    found = sorted((t for t in edit.fitting.values() if t.finished), key=lambda t: t.first)
-    if not found:
+    segment_results = sorted(
+        (t for t in edit.fitting.values() if t.finished), key=lambda t: t.first
+    )
+    if not segment_results:
         raise FormatError("There is no motion yet: pose two keyframes and track.")
     stretches = [
         RecordedSegment(first, last, t.verdict)
-        for t in found
+        for t in segment_results
         if t.verdict is not None
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
-    tracks = Tracks.of(found, edit.skeleton)
+    tracks = Tracks.of(segment_results, edit.skeleton)
     return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode)
 
 

@@ -273,12 +273,12 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
 
 def require_meant(order: MotionOrder, formats: Sequence[MotionFormat]) -> None:
     """FormatError for an option that none of the formats heeds: it would be ignored."""
-    for name, one in options_of(MotionOrder).items():
-        if one.only is None or getattr(order, name) == getattr(MotionOrder(), name):
+    for name, option in options_of(MotionOrder).items():
+        if option.only is None or getattr(order, name) == getattr(MotionOrder(), name):
             continue
-        heeding = [known for known, kind in FORMATS.items() if getattr(kind, one.only)]
+        heeding = [known for known, kind in FORMATS.items() if getattr(kind, option.only)]
         if not set(heeding) & set(formats):
-            raise FormatError(f"{one.label} is for {listed(heeding)} alone.")
+            raise FormatError(f"{option.label} is for {listed(heeding)} alone.")
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:

@@ -211,20 +211,24 @@ def _recognised_camera(session: Session, path: Path, video: VideoInfo) -> Recogn
     """What is known of it without a look at the film; where it lies beside the film that is
     reported, for another start frame may be chosen."""
     ending = path.suffix.lower()
-    found = load_camera(path, (session.view.camera.width, session.view.camera.height))
-    notes = note_words(found.notes)
-    if found.way is not None:
+    camera_file = load_camera(path, (session.view.camera.width, session.view.camera.height))
+    notes = note_words(camera_file.notes)
+    if camera_file.way is not None:
         try:
-            way, more = placed(path.name, found.way, film_frames(session, video))
-            found, notes = replace(found, way=way), [*notes, *note_words(more)]
+            camera_way, more = placed(path.name, camera_file.way, film_frames(session, video))
+            camera_file, notes = replace(camera_file, way=camera_way), [*notes, *note_words(more)]
         except FormatError as beside:
-            found, notes = replace(found, way=None), [*notes, str(beside)]
-    made = with_camera_file(session, found, path.name)
-    facts = {**camera_facts(session, made, found), "columns": ending == ".chan", "notes": notes}
+            camera_file, notes = replace(camera_file, way=None), [*notes, str(beside)]
+    made = with_camera_file(session, camera_file, path.name)
+    facts = {
+        **camera_facts(session, made, camera_file),
+        "columns": ending == ".chan",
+        "notes": notes,
+    }
     return Recognised("camera", _CAMERA_PROGRAMS[ending], facts)
 
 
-def camera_facts(session: Session, made: Session, found: CameraFile) -> dict[str, Any]:
+def camera_facts(session: Session, made: Session, camera_file: CameraFile) -> dict[str, Any]:
     """The lens, by how much up is turned, and the floor, of a session with a camera of a file."""
     camera = made.view.camera
     return {
@@ -232,6 +236,6 @@ def camera_facts(session: Session, made: Session, found: CameraFile) -> dict[str
         "across_deg": 2 * math.degrees(math.atan(camera.width / 2 / camera.fx)),
         "turned_deg": turned_deg(session, made),
         "floor_m": None
-        if found.floor_m is None or made.world.floor_m is None
+        if camera_file.floor_m is None or made.world.floor_m is None
         else -made.world.floor_m,
     }

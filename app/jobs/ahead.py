@@ -66,8 +66,8 @@ class FollowAhead(Fit):
             *cues,
         )
 
-    def apply(self, found: FoundAhead, state: AppState) -> tuple[AppState, str]:
+    def apply(self, found_ahead: FoundAhead, state: AppState) -> tuple[AppState, str]:
         """What led nowhere changes nothing."""
-        if found.to_frame == found.frame:
-            raise ActionRefused(found_sentence(found))
-        return replace(state, edit=with_followed(state.editing, found)), ""
+        if found_ahead.to_frame == found_ahead.frame:
+            raise ActionRefused(found_sentence(found_ahead))
+        return replace(state, edit=with_followed(state.editing, found_ahead)), ""

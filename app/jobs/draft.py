@@ -165,7 +165,7 @@ def drafted(
     half = not needs_masks(session) and model.skips_frames_at(video.info.fps)
     lifter = lifter_for_drafts(session, lambda: video.info.times_s)
     try:
-        found = draft_clip(
+        clip_draft = draft_clip(
             picture,
             frames,
             at,
@@ -190,7 +190,7 @@ def drafted(
         detected.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
         seed = Seed.of_box(at, box, camera.width, camera.height)
         keypoints = detect(picture, part, [seed], network, film=film, kept=kept, every_second=half)
-        found = draft_from_keypoints(
+        clip_draft = draft_from_keypoints(
             keypoints,
             camera,
             session.subject.body,
@@ -200,18 +200,18 @@ def drafted(
             lifter=lifter,
             report=DraftReporter(report, never),
         )
-        return Drafted(_outlined(found, session), network.fingerprint, part)
+        return Drafted(_outlined(clip_draft, session), network.fingerprint, part)
     detected.keep_pace(name, time.monotonic() - began)
-    return Drafted(_outlined(found, session), network.fingerprint)
+    return Drafted(_outlined(clip_draft, session), network.fingerprint)
 
 
 def _outlined(draft: ClipDraft, session: Session) -> ClipDraft:
     """The draft, with what the session's segments need of the person's masks: their outlines, or
     nothing."""
-    seen, masks = draft.keypoints, None
-    if seen.masks is not None and needs_masks(session):
-        masks = tuple(mask and mask.outlined() for mask in seen.masks)
-    return replace(draft, keypoints=replace(seen, masks=masks))
+    keypoints, masks = draft.keypoints, None
+    if keypoints.masks is not None and needs_masks(session):
+        masks = tuple(mask and mask.outlined() for mask in keypoints.masks)
+    return replace(draft, keypoints=replace(keypoints, masks=masks))
 
 
 @dataclass(frozen=True)

@@ -35,27 +35,27 @@ LABEL: Final = "find the camera's motion"
 REPORTS_S: Final = 0.2
 
 
-def found_words(found: FoundCamera) -> str:
+def found_words(found_camera: FoundCamera) -> str:
     """Say what was found of the camera, the most important first."""
-    motion, error = found.motion, None
+    motion, error = found_camera.motion, None
     if motion is not None and np.isfinite(motion.errors_px).any():
         error = float(np.nanmedian(motion.errors_px))
     zooms = motion is not None and motion.path.zooms
     unscaled = () if motion is None else motion.unscaled
-    words = [camera_sentence(found.kind, zooms, error)]
-    if found.lens is not None:
-        words.append(lens_sentence(found.lens.focal_mm))
+    words = [camera_sentence(found_camera.kind, zooms, error)]
+    if found_camera.lens is not None:
+        words.append(lens_sentence(found_camera.lens.focal_mm))
     words += [] if motion is None else way_sentences(motion)
-    return " ".join([*words, *finding_sentences((*found.findings, *unscaled))])
+    return " ".join([*words, *finding_sentences((*found_camera.findings, *unscaled))])
 
 
-def with_found(session: Session, found: FoundCamera) -> Session:
+def with_found(session: Session, found_camera: FoundCamera) -> Session:
     """The session with what was found of its camera. A zoom, and a lens that was a guess and turns
     out as another, move what is posed along the line of sight, so that it is seen as large as
     before."""
-    after = found.applied(session)
-    if found.lens is not None:
-        after = after.changed({"camera": found.lens, "lens_source": "turns"})
+    after = found_camera.applied(session)
+    if found_camera.lens is not None:
+        after = after.changed({"camera": found_camera.lens, "lens_source": "turns"})
     return seen_as_before(session, after)
 
 
@@ -82,9 +82,9 @@ def find_saved(
     fitting = load_results(session, path).fitting(session)
     poses = camera_motion.known_poses(session, fitting)
     with open_video_of(session, path) as video:
-        found = camera_motion.find_camera(session, video, poses, camera, report)
-    camera_motion.keep_points(found)
-    return camera_motion.scaled(found, session, fitting)
+        found_camera = camera_motion.find_camera(session, video, poses, camera, report)
+    camera_motion.keep_points(found_camera)
+    return camera_motion.scaled(found_camera, session, fitting)
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,11 @@ class FindCamera(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, asked: Asked) -> Self:
-        finished = {span: found for span, found in edit.fitting.items() if found.finished}
+        finished = {
+            span: segment_result
+            for span, segment_result in edit.fitting.items()
+            if segment_result.finished
+        }
         given = sent(opened, edit.doc, drafts=edit.doc.subject.drafts)
         return cls(*given, asked.camera, finished)
 
@@ -123,15 +127,15 @@ class FindCamera(Fit):
 
         video = context.cache.video(session, self.video_path)
         poses = camera_motion.known_poses(session, self.fitting)
-        found = camera_motion.find_camera(session, video, poses, self.camera, report)
-        camera_motion.keep_points(found)
-        found = camera_motion.scaled(found, session, self.fitting)
-        return replace(found, points=None)  # which are many, and kept
+        found_camera = camera_motion.find_camera(session, video, poses, self.camera, report)
+        camera_motion.keep_points(found_camera)
+        found_camera = camera_motion.scaled(found_camera, session, self.fitting)
+        return replace(found_camera, points=None)  # which are many, and kept
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return doc.view.camera, doc.view.ignore_masks
 
-    def apply(self, found: FoundCamera, state: AppState) -> tuple[AppState, str]:
+    def apply(self, found_camera: FoundCamera, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
-        after = edit.with_step(with_found(edit.doc, found), LABEL)
-        return replace(state, edit=after), found_words(found)
+        after = edit.with_step(with_found(edit.doc, found_camera), LABEL)
+        return replace(state, edit=after), found_words(found_camera)

@@ -88,12 +88,12 @@ def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
     from keypose.tracker.storage.up import estimated_up  # loads what only this needs
 
     lines = upright_lines(session, video)
-    found = None if lines is None else estimated_up(session, {}, lines.evidence)
+    up_estimate = None if lines is None else estimated_up(session, {}, lines.evidence)
     if lines is None:
         return session, nothing_words()
-    if found is None or not lines.is_sure:
+    if up_estimate is None or not lines.is_sure:
         return session, unsure_words(lines.evidence)
-    return session.with_up_found(found), up_words(found)
+    return session.with_up_found(up_estimate), up_words(up_estimate)
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,11 @@ class FindUp(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Asked) -> Self:
-        finished = {span: found for span, found in edit.fitting.items() if found.finished}
+        finished = {
+            span: segment_result
+            for span, segment_result in edit.fitting.items()
+            if segment_result.finished
+        }
         return cls(*sent(opened, edit.doc), edit.frame, finished)
 
     def work(self, session: Session, context: Context) -> FoundUp:
@@ -132,9 +136,11 @@ class FindUp(Fit):
         up = doc.world.up_world, doc.world.up_from
         return *filmed_by(doc), *of_motion, subject.drafted, doc.settings, *up
 
-    def apply(self, found: FoundUp, state: AppState) -> tuple[AppState, str]:
-        edit, estimate = state.editing, found.estimate
+    def apply(self, found_up: FoundUp, state: AppState) -> tuple[AppState, str]:
+        edit, estimate = state.editing, found_up.estimate
         if estimate is None:
-            return state, nothing_words() if found.seen is None else unsure_words(found.seen)
+            return state, nothing_words() if found_up.seen is None else unsure_words(found_up.seen)
         after = edit.with_step(edit.doc.with_up_found(estimate), LABEL)
-        return replace(state, edit=after, up=replace(found, after=after.doc)), ""  # it has a card
+        return replace(
+            state, edit=after, up=replace(found_up, after=after.doc)
+        ), ""  # it has a card

@@ -76,10 +76,10 @@ class FitPose(Fit):
         others = {
             k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame != self.frame
         }
-        given = context.cache.keypoints(session, Path(self.folder))
+        keypoints = context.cache.keypoints(session, Path(self.folder))
         camera, steady = session.view.camera, sidecars.one_focal(session)
-        source = steadied(keypoint_source(session, video, given), steady)
-        found = fit_pose_to_picture(
+        source = steadied(keypoint_source(session, video, keypoints), steady)
+        picture_fit = fit_pose_to_picture(
             video,
             camera,
             skeleton,
@@ -92,7 +92,7 @@ class FitPose(Fit):
             source=source,
             steady=steady,
         )
-        return FoundPose(found.pose, found.way != "nothing", found.message)
+        return FoundPose(picture_fit.pose, picture_fit.way != "nothing", picture_fit.message)
 
     def on_surfaces(self, session: Session, context: Context) -> FoundPose:
         # loads what only this needs
@@ -101,10 +101,10 @@ class FitPose(Fit):
         given, model = (session, self.video_path, Path(self.folder)), session.model_keyframe
         if model is None or model.frame == self.frame:
             mesh = context.cache.surfaces(*given).mesh(self.frame)
-            found = fit_solids_to_surface(mesh, Skeleton.of(session.subject.body), self.pose)
+            fitted_pose = fit_solids_to_surface(mesh, Skeleton.of(session.subject.body), self.pose)
         else:
-            found = fit_pose_to_surface(context.cache.fitter(*given), self.frame, self.pose)
-        return FoundPose(found.pose, True, found.message)
+            fitted_pose = fit_pose_to_surface(context.cache.fitter(*given), self.frame, self.pose)
+        return FoundPose(fitted_pose.pose, True, fitted_pose.message)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
@@ -126,12 +126,12 @@ class FitPose(Fit):
             and np.allclose(pose.p_camera_root, self.pose.p_camera_root, atol=SAME)
         )
 
-    def apply(self, found: FoundPose, state: AppState) -> tuple[AppState, str]:
+    def apply(self, found_pose: FoundPose, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
-        after = with_pose_fitted(edit, self.frame, found.pose) if found.found else edit
+        after = with_pose_fitted(edit, self.frame, found_pose.pose) if found_pose.found else edit
         if after is edit:
-            return state, found.words
-        outcome = FitOutcome(self.frame, found.words, edit.doc, after.doc)
+            return state, found_pose.words
+        outcome = FitOutcome(self.frame, found_pose.words, edit.doc, after.doc)
         return replace(state, edit=after, fit=outcome), ""
 
 
@@ -147,5 +147,5 @@ def _near(edit: EditorState) -> dict[int, Pose]:
     pose to be fitted, and so hold its error. What tracking is on its way to does not count."""
     finished = {span: track for span, track in edit.fitting.items() if track.finished}
     around = range(edit.frame - NEAR_FRAMES, edit.frame + NEAR_FRAMES + 1)
-    found = {frame: pose_at(finished, frame) for frame in around}
-    return {frame: pose for frame, pose in found.items() if pose is not None}
+    poses = {frame: pose_at(finished, frame) for frame in around}
+    return {frame: pose for frame, pose in poses.items() if pose is not None}

@@ -66,8 +66,8 @@ class FitSizes(Fit):
             doc.subject.drafts,
         )
 
-    def apply(self, found: SizesFitted, state: AppState) -> tuple[AppState, str]:
-        preview = SizesPreview.of(found, state.editing)
+    def apply(self, sizes_fitted: SizesFitted, state: AppState) -> tuple[AppState, str]:
+        preview = SizesPreview.of(sizes_fitted, state.editing)
         if preview is None:
-            return state, found.message
+            return state, sizes_fitted.message
         return replace(state, preview=preview, fit=None), ""

@@ -85,10 +85,10 @@ class LearnDrafts(Fit):
         )
         return learned(session, Path(self.folder), self.around, lifter)
 
-    def taken(self, found: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:
+    def taken(self, poses: Learned, began: EditorState, state: AppState) -> tuple[AppState, str]:
         """The state with what drafts learned from keyframes as they were when it began."""
-        after = with_learned(state.editing, began.doc, found)
+        after = with_learned(state.editing, began.doc, poses)
         if after.doc.subject.drafts == state.editing.doc.subject.drafts:
             return state, ""
-        words = f"{len(found)} drafts learned from your keyframe and were moved."
+        words = f"{len(poses)} drafts learned from your keyframe and were moved."
         return replace(state, edit=after), words

@@ -69,7 +69,7 @@ class LiftDrafts(Fit):
         lifter = lifter_for_drafts(
             session, lambda: context.cache.video(session, self.video_path).info.times_s
         )
-        found = draft_from_keypoints(
+        clip_draft = draft_from_keypoints(
             keypoints,
             session.view.camera,
             session.subject.body,
@@ -80,7 +80,7 @@ class LiftDrafts(Fit):
             lifter=lifter,
             report=DraftReporter(report, context.cancelled),
         )
-        anew = {frame: pose for frame, pose in found.poses.items() if frame in self.frames}
+        anew = {frame: pose for frame, pose in clip_draft.poses.items() if frame in self.frames}
         skeleton = Skeleton.of(session.subject.body)
         posed = {
             k.frame: k.pose(skeleton)
@@ -103,8 +103,8 @@ class LiftDrafts(Fit):
             doc.subject.drafts,
         )
 
-    def apply(self, found: Lifted, state: AppState) -> tuple[AppState, str]:
+    def apply(self, poses: Lifted, state: AppState) -> tuple[AppState, str]:
         edit = state.editing
-        after = with_lifted(edit, found)
-        keyed = sum(keyframe.frame in found for keyframe in edit.doc.subject.keyframes)
-        return replace(state, edit=after), lifted_words(len(found) - keyed, keyed)
+        after = with_lifted(edit, poses)
+        keyed = sum(keyframe.frame in poses for keyframe in edit.doc.subject.keyframes)
+        return replace(state, edit=after), lifted_words(len(poses) - keyed, keyed)

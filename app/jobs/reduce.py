@@ -75,9 +75,13 @@ class ReduceMotion(Fit):
             doc.subject.first_motion,
         )
 
-    def apply(self, found: Reduction, state: AppState) -> tuple[AppState, str]:
-        known = state.reduction
-        done = None if known is None else replace(known, reduction=found, busy=False)
+    def apply(self, reduction: Reduction, state: AppState) -> tuple[AppState, str]:
+        reduction_preview = state.reduction
+        done = (
+            None
+            if reduction_preview is None
+            else replace(reduction_preview, reduction=reduction, busy=False)
+        )
         return replace(state, reduction=done), ""
 
     def left(self, state: AppState) -> AppState:

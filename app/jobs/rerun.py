@@ -85,10 +85,10 @@ def with_repeats(session: Session, video: Video, first: int, last: int) -> Sessi
     if reference.repeats is not None or not session.evidence.can_be_damaged:
         return session
     deque(video.examine(first, min(last, video.info.frame_count - 1)), maxlen=0)
-    found = video.repeats()
-    if not found.frames:
+    repeats = video.repeats()
+    if not repeats.frames:
         return session
-    return session.changed({"video": reference.model_copy(update={"repeats": found})})
+    return session.changed({"video": reference.model_copy(update={"repeats": repeats})})
 
 
 def require_trackable(session: Session, session_path: Path) -> None:
@@ -141,7 +141,7 @@ def rerun(
 
 
 def save_found(
-    tracked: Session, session_path: Path, found: Sequence[SegmentResult]
+    tracked: Session, session_path: Path, segment_results: Sequence[SegmentResult]
 ) -> saved.Results | None:
     """Write what was found beside the session's file, which then refers to it.
 
@@ -151,9 +151,9 @@ def save_found(
     found. Where the motion cannot be solved for in space it is written as it was tracked, and the
     error raised after that.
     """
-    if not found:
+    if not segment_results:
         return None
-    every = _with_earlier(tracked, session_path, found)
+    every = _with_earlier(tracked, session_path, segment_results)
     return _solved_and_saved(tracked, every, lambda every: _save(tracked, session_path, every))
 
 
@@ -177,7 +177,7 @@ def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results
 def save_tracks_beside(
     tracked: Session,
     place: Path,
-    found: Sequence[SegmentResult],
+    segment_results: Sequence[SegmentResult],
     refer: Callable[[saved.Results | None], None],
 ) -> saved.Results | None:
     """Write the tracks beside another file, which `refer` writes: it receives their names.
@@ -192,7 +192,7 @@ def save_tracks_beside(
         refer(results)
         return results
 
-    return _solved_and_saved(blank, _collect(found), save)
+    return _solved_and_saved(blank, _collect(segment_results), save)
 
 
 def _solved_and_saved(
@@ -212,14 +212,16 @@ def _in_space(session: Session, results: Results) -> Results:
     return results
 
 
-def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) -> Results:
+def _with_earlier(
+    session: Session, path: Path, segment_results: Sequence[SegmentResult]
+) -> Results:
     """What was found and, where that is not whole, what is on disk and fits, if it is
     better.
     """
-    spans = {track.span for track in found if not track.missing}
+    spans = {track.span for track in segment_results if not track.missing}
     if spans >= set(segment_keys(session)):
-        return _collect(found)
-    return _collect([*_on_disk(session, path, spans), *found])
+        return _collect(segment_results)
+    return _collect([*_on_disk(session, path, spans), *segment_results])
 
 
 def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentResult]:
@@ -231,8 +233,8 @@ def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentRe
     return [track.as_tracked for span, track in fitting.items() if span not in without]
 
 
-def _collect(found: Sequence[SegmentResult]) -> Results:
+def _collect(segment_results: Sequence[SegmentResult]) -> Results:
     results = Results()
-    for track in found:
+    for track in segment_results:
         results = results.with_result(track, keep=results.by_key)
     return results

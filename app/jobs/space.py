@@ -38,6 +38,6 @@ class SolveSpace(Job):
 
         session = Session.model_validate_json(self.session)
         for done, stretch in enumerate(self.stretches, 1):
-            found = solved(session, stretch, context.cancelled)
+            space_result = solved(session, stretch, context.cancelled)
             context.leave_when_cancelled()
-            context.report(done / len(self.stretches), partial=found)
+            context.report(done / len(self.stretches), partial=space_result)

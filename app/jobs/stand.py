@@ -58,9 +58,9 @@ def stood(
     from keypose.tracker.storage.standing import stand
     from keypose.tracker.storage.tracks import load_tracks
 
-    seen = _seen(session, path)
+    up_evidence = _seen(session, path)
     motion = None if session.subject.results is None else load_tracks(session, path)
-    done = stand(session, results.fitting(session), seen, cancelled, motion=motion)
+    done = stand(session, results.fitting(session), up_evidence, cancelled, motion=motion)
     for stretch in results.unsolved(done.session):
         results = results.with_space(solved(done.session, stretch, cancelled))
     return done, results
@@ -98,7 +98,11 @@ class StandOnFloor(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Stand) -> Self:
-        finished = {span: found for span, found in edit.fitting.items() if found.finished}
+        finished = {
+            span: segment_result
+            for span, segment_result in edit.fitting.items()
+            if segment_result.finished
+        }
         return cls(*sent(opened, edit.doc), finished, edit.frame)
 
     def work(self, session: Session, context: Context) -> tuple[Standing, SeenLines]:

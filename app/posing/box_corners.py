@@ -138,13 +138,15 @@ class _SizedPoint:
     def _rows(self) -> tuple[Array, Array]:
         """(2 K, D + 3) how the corners' pixels move, in sigmas, with the pose and as edges grow,
         and (2 K,) how far they are away."""
-        seen, R = self._seen, self._posed.Ts_camera_part[self.box.part, :3, :3]
-        p, by_pose = seen.points.jacobian(self._posed)
+        points_in_picture, R = self._seen, self._posed.Ts_camera_part[self.box.part, :3, :3]
+        p, by_pose = points_in_picture.points.jacobian(self._posed)
         corners = self.box.corners(self.state.ratios)
         by_edges = corners[:, :, None] * R.T  # each edge grows along its own axis
-        J = image_jacobian(seen.camera, p, np.concatenate([by_pose, by_edges], axis=1))
-        scaled = np.swapaxes(J, 1, 2) * seen.scale[:, None, None]
-        away = (image_points(seen.camera, p) - seen.uv) * seen.scale[:, None]
+        J = image_jacobian(points_in_picture.camera, p, np.concatenate([by_pose, by_edges], axis=1))
+        scaled = np.swapaxes(J, 1, 2) * points_in_picture.scale[:, None, None]
+        away = (
+            image_points(points_in_picture.camera, p) - points_in_picture.uv
+        ) * points_in_picture.scale[:, None]
         return scaled.reshape(away.size, -1), away.ravel()
 
 
@@ -223,7 +225,11 @@ def _resized(body: Body, part: str, ratios: Array) -> Body:
 
 
 def _of_others(placed: tuple[PlacedCorner, ...], handle: BoxCorner) -> tuple[PlacedCorner, ...]:
-    return tuple(one for one in placed if one.part == handle.part and one.index != handle.index)
+    return tuple(
+        placed_corner
+        for placed_corner in placed
+        if placed_corner.part == handle.part and placed_corner.index != handle.index
+    )
 
 
 def _count_text(count: int, free_sizes: bool) -> str:
@@ -265,17 +271,22 @@ class _BoxCornerFit:
         assert view.camera is not None
         whole = turning(context.skeleton, (context.skeleton.body.names[part],), shifts=part == 0)
         points = BodyPoints.single(
-            whole, np.full(len(placed), part), corners[[one.index for one in placed]]
+            whole,
+            np.full(len(placed), part),
+            corners[[placed_corner.index for placed_corner in placed]],
         )
         uv = np.array([one.uv for one in placed])
         scale = np.full(len(placed), 1 / CORNER_SIGMA_PX)
-        seen = PointsInPicture(points, view.camera, uv, scale, NEAREST_M)
-        terms: list[Term] = [seen, _prior(whole, context.pose, len(placed) >= DECIDING)]
+        points_in_picture = PointsInPicture(points, view.camera, uv, scale, NEAREST_M)
+        terms: list[Term] = [
+            points_in_picture,
+            _prior(whole, context.pose, len(placed) >= DECIDING),
+        ]
         if not view.is_perspective:
             terms.append(RootPosition.depth(context.pose.p_camera_root, DEPTH_SHARE))
         if context.limits_on:
             terms.append(limits_as_posed(context))
-        return cls(context, part, seen, tuple(terms))
+        return cls(context, part, points_in_picture, tuple(terms))
 
     def solved(self) -> Pose:
         """The pose that is reached from the one before; from its mirror images where corners that
@@ -293,8 +304,8 @@ class _BoxCornerFit:
         terms = tuple(term for term in self.terms if term is not self.seen)
         box = SizedBox(self.part, self.seen, terms)
 
-        def missed(one: SizedPose) -> float:
-            return self.missed_px(one.pose, one.ratios)
+        def missed(sized_pose: SizedPose) -> float:
+            return self.missed_px(sized_pose.pose, sized_pose.ratios)
 
         best = box.solved(near)
         if missed(best) > POOR_PX:
@@ -303,10 +314,12 @@ class _BoxCornerFit:
 
     def missed_px(self, pose: Pose, ratios: Array | None = None) -> float:
         """Root mean square distance of the corners from where they were placed, pixels."""
-        seen = self.seen
+        points_in_picture = self.seen
         if ratios is not None:
-            seen = SizedBox(self.part, seen, ()).seen_at(ratios)
-        p = seen.points.at(GestureContext.of(self.context.skeleton, pose, False).Ts_camera_part)
+            points_in_picture = SizedBox(self.part, points_in_picture, ()).seen_at(ratios)
+        p = points_in_picture.points.at(
+            GestureContext.of(self.context.skeleton, pose, False).Ts_camera_part
+        )
         off = self.seen.camera.project(p) - self.seen.uv
         return float(np.sqrt((off**2).sum(-1).mean()))
 

@@ -123,8 +123,8 @@ def _taken(
             tool = handle.tool or gesture.tool
             if tool == "move" or (tool == "ends" and body.index(handle.part) == 0):
                 return handle_named(body, "root")
-            found = handle_at_far_end(body, handle.part) if tool == "ends" else None
-            return found or handle.part
+            body_handle = handle_at_far_end(body, handle.part) if tool == "ends" else None
+            return body_handle or handle.part
 
 
 def _by_handle(

@@ -42,24 +42,24 @@ def handles(body: Body) -> tuple[BodyHandle, ...]:
     """
     skeleton = Skeleton.of(body)
     root = body.parts[0].name
-    found = [BodyHandle("root", "root", root, root, "Body", (root,), (root,))]
+    body_handles = [BodyHandle("root", "root", root, root, "Body", (root,), (root,))]
     for limb in chains(skeleton):
         if limb[-1] == "head":
-            found.append(_head(skeleton, limb))
+            body_handles.append(_head(skeleton, limb))
         elif not _carries_more(skeleton, limb):
-            found += _of_limb(body, limb)
-    return (*found, *_corners(skeleton, found))
+            body_handles += _of_limb(body, limb)
+    return (*body_handles, *_corners(skeleton, body_handles))
 
 
-def _corners(skeleton: Skeleton, found: list[BodyHandle]) -> list[BodyHandle]:
+def _corners(skeleton: Skeleton, body_handles: list[BodyHandle]) -> list[BodyHandle]:
     """Where the left and right limbs hang on the trunk, of a body that has a head."""
     body = skeleton.body
-    head = next((handle for handle in found if handle.kind == "head"), None)
+    head = next((handle for handle in body_handles if handle.kind == "head"), None)
     if head is None:
         return []
     trunk = (body.parts[0].name, *head.movers)
     corners = []
-    for handle in found:
+    for handle in body_handles:
         first = handle.limb[0]
         on = body.parts[body.index(first)].parent
         hinged = handle.kind == "end" and handle.movers[0] == first
@@ -72,11 +72,11 @@ def _corners(skeleton: Skeleton, found: list[BodyHandle]) -> list[BodyHandle]:
 
 def handle_named(body: Body, name: str) -> BodyHandle:
     """The handle of this name; BodyError lists the names there are."""
-    known = handles(body)
-    for handle in known:
+    body_handles = handles(body)
+    for handle in body_handles:
         if handle.name == name:
             return handle
-    names = ", ".join(handle.name for handle in known)
+    names = ", ".join(handle.name for handle in body_handles)
     raise BodyError(f"The body has no handle {name!r}; its handles are {names}.")
 
 
@@ -84,12 +84,12 @@ def handle_at_far_end(body: Body, part: str) -> BodyHandle | None:
     """The handle that carries a part's far end: of the upper arm the elbow's, of the hand the
     wrist's. None where there is none, as for the chest."""
     body.index(part)
-    known = [handle for handle in handles(body) if handle.kind not in ("root", "corner")]
+    body_handles = [handle for handle in handles(body) if handle.kind not in ("root", "corner")]
     children = {p.name for p in body.parts if p.parent == part}
-    for handle in known:
+    for handle in body_handles:
         if handle.anchor in children and part in handle.limb:
             return handle
-    of_limb = [handle for handle in known if part in handle.limb and handle.kind != "middle"]
+    of_limb = [handle for handle in body_handles if part in handle.limb and handle.kind != "middle"]
     return of_limb[0] if of_limb else None
 
 
@@ -129,14 +129,14 @@ def _of_limb(body: Body, limb: tuple[str, ...]) -> list[BodyHandle]:
     anchor = tip if to_tip and tip else last.name
     movers = limb[girdle:] if to_tip else limb[girdle:-1] or limb[:girdle]
     label = part_label(tip if to_tip and tip else last.name)
-    found = [BodyHandle(last.name, "end", last.name, anchor, label, limb, movers)]
+    body_handles = [BodyHandle(last.name, "end", last.name, anchor, label, limb, movers)]
     for k in range(len(movers) - 1, -girdle, -1):
         name = limb[girdle + k]
         label = joint_label(name)
         key = label.lower().replace(" ", "_")
         moved = movers[:k] or limb[:girdle]
-        found.append(BodyHandle(key, "middle", name, name, label, limb, moved))
-    return found
+        body_handles.append(BodyHandle(key, "middle", name, name, label, limb, moved))
+    return body_handles
 
 
 def _tip(part: Part) -> str | None:

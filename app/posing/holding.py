@@ -191,15 +191,15 @@ class _BroughtBack:
         part, p_part = context.point(self.handle.anchor)
         tip = p_part if part == parts[-1] else before.skeleton.joints[part]
         limb = _limb(context, parts, tip)
-        seen = None
+        seen_limb = None
         if isinstance(limb, TwoBones):
-            seen = self.held.limb_in_picture(limb, self.handle.name, before)
-        if seen is None:
+            seen_limb = self.held.limb_in_picture(limb, self.handle.name, before)
+        if seen_limb is None:
             return context.turned(limb.toward(place).rotations)
         if self._drags(parts[1]):
             return context.pose
-        ats = (seen.view.project(p) for p in (before.joint(parts[1]), place))
-        return context.turned(seen.with_end(*ats).rotations)
+        ats = (seen_limb.view.project(p) for p in (before.joint(parts[1]), place))
+        return context.turned(seen_limb.with_end(*ats).rotations)
 
     def _drags(self, part: int) -> bool:
         """Whether the joint of this part is what is dragged."""

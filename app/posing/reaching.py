@@ -48,10 +48,10 @@ def reach(
     part, p_part = context.point(handle.anchor)
     before = context.placed(part, p_part)
     goal = aim(view, before, gesture)
-    found = _solve(context, view, goal, handle, before, held)
-    pose = context.turned(found.rotations)
+    reached = _solve(context, view, goal, handle, before, held)
+    pose = context.turned(reached.rotations)
     after = GestureContext.of(context.skeleton, pose, False).placed(part, p_part)
-    return Posed(pose, None, _readout(view, goal, handle, found, before, after))
+    return Posed(pose, None, _readout(view, goal, handle, reached, before, after))
 
 
 def _solve(
@@ -81,9 +81,9 @@ def _solve(
 
 
 def _middle_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: Held) -> Reached:
-    seen = held.limb_in_picture(limb, end, limb.context)
-    if seen is not None:
-        return seen.with_middle(goal.at, seen.end_at)
+    seen_limb = held.limb_in_picture(limb, end, limb.context)
+    if seen_limb is not None:
+        return seen_limb.with_middle(goal.at, seen_limb.end_at)
     way = Swivel if end in held.placed | held.pinned else Elbow
     return way(limb).reach(view, goal)
 
@@ -92,19 +92,19 @@ def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: H
     """A hand or a foot that is corrected leaves elbow or knee where they are seen; one that is
     drawn far takes them along, and so does one that would not come under the pointer otherwise."""
     reached = limb.reach(view, goal)
-    seen = held.limb_in_picture(limb, end, limb.context)
-    if seen is None:
+    seen_limb = held.limb_in_picture(limb, end, limb.context)
+    if seen_limb is None:
         return reached
     drawn = length(goal.p_camera - limb.end) / limb.hinge.farthest_m
     along = smooth_step((drawn - CORRECTED) / (DRAWN_FAR - CORRECTED))
     context = limb.context
     after = GestureContext.of(context.skeleton, context.turned(reached.rotations), False)
-    way = view.project(after.joint(limb.lower)) - seen.middle_at
+    way = view.project(after.joint(limb.lower)) - seen_limb.middle_at
     if not np.isfinite(way).all():  # drawn behind the camera
         return reached
 
     def taken(share: float) -> Reached:
-        return seen.with_end(seen.middle_at + share * way, goal.at)
+        return seen_limb.with_end(seen_limb.middle_at + share * way, goal.at)
 
     def missed_px(found: Reached) -> float:
         posed = GestureContext.of(context.skeleton, context.turned(found.rotations), False)
@@ -120,25 +120,25 @@ def _least(
     """What is taken with the least share, from `least` to 1, that leads there; None where
     all of it does not.
     """
-    found = taken(least)
-    if is_there(found):
-        return found
-    low, high, found = least, 1.0, taken(1.0)
-    if not is_there(found):
+    reached = taken(least)
+    if is_there(reached):
+        return reached
+    low, high, reached = least, 1.0, taken(1.0)
+    if not is_there(reached):
         return None
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         tried = taken(middle)
-        low, high, found = (low, middle, tried) if is_there(tried) else (middle, high, found)
-    return found
+        low, high, reached = (low, middle, tried) if is_there(tried) else (middle, high, reached)
+    return reached
 
 
 def _end_beyond(context: GestureContext, handle: BodyHandle) -> BodyHandle | None:
     """The end of the limb of two bones that meet at a middle handle."""
-    for other in handles(context.skeleton.body):
-        meets = other.limb == handle.limb and other.movers[0] == handle.movers[0]
-        if other.kind == "end" and meets and len(other.movers) == 2:
-            return other
+    for body_handle in handles(context.skeleton.body):
+        meets = body_handle.limb == handle.limb and body_handle.movers[0] == handle.movers[0]
+        if body_handle.kind == "end" and meets and len(body_handle.movers) == 2:
+            return body_handle
     return None
 
 
@@ -164,7 +164,7 @@ def _swung(
 
 
 def _readout(
-    view: PointerView, goal: Aim, handle: BodyHandle, found: Reached, before: Array, after: Array
+    view: PointerView, goal: Aim, handle: BodyHandle, reached: Reached, before: Array, after: Array
 ) -> Readout:
     level = abs(float(after[2] - before[2])) < LEVEL_M
     kept = handle.kind == "end" and goal.line is None and view.is_films and level
@@ -173,24 +173,24 @@ def _readout(
         value=depth_text(after, kept),
         change="" if goal.line is None else distance_text(after - before, goal.line),
         part=handle.part,
-        reach=Reach(found.centre, found.radius_m),
-        out_of_reach=_miss_m(view, goal, found, after) > MISSED_M,
+        reach=Reach(reached.centre, reached.radius_m),
+        out_of_reach=_miss_m(view, goal, reached, after) > MISSED_M,
         depth_m=float(after[2]),
     )
 
 
-def _miss_m(view: PointerView, goal: Aim, found: Reached, after: Array) -> float:
+def _miss_m(view: PointerView, goal: Aim, reached: Reached, after: Array) -> float:
     """Metres, as the view shows them, by which the handle is not where it was dragged.
 
     A bone that is swung in a small view goes round a circle. Inside it, the handle lies in the
     direction of the pointer, which is all that is asked.
     """
     wanted = goal.p_camera if goal.line is not None else view.at_depth(goal.at, after)
-    radius, way = length(after - found.centre), wanted - found.centre
-    is_bone = abs(radius - found.radius_m) < 1e-9
+    radius, way = length(after - reached.centre), wanted - reached.centre
+    is_bone = abs(radius - reached.radius_m) < 1e-9
     if is_bone and (goal.line is not None or view.camera is None):
         flat = way if goal.line is not None else across(way, view.away)
-        now = after - found.centre
+        now = after - reached.centre
         now = now if goal.line is not None else across(now, view.away)
         if length(flat) < length(now):
             return length(across(now, unit(flat)))

@@ -106,8 +106,8 @@ class SeenLimb:
         """The limb with its end seen at `end_at` (2,), and its middle joint as near to `middle_at`
         (2,) as that allows."""
         limb = self.limb
-        found = self._bent(self._reaching(self._middle(middle_at), end_at), end_at)
-        return Reached(found.rotations, limb.centre, limb.hinge.farthest_m)
+        reached = self._bent(self._reaching(self._middle(middle_at), end_at), end_at)
+        return Reached(reached.rotations, limb.centre, limb.hinge.farthest_m)
 
     def with_middle(self, middle_at: Array, end_at: Array) -> Reached:
         """The limb with its middle joint seen at `middle_at` (2,), and its end as near to `end_at`

@@ -131,9 +131,9 @@ def _artist(
 
         def four(frame: int, image: Picture | None) -> Picture:
             pose = poses.pose(frame)
-            seen = layer_at(frame)
+            surface_layer = layer_at(frame)
             image, here = ground(frame, image), studio.at(frame)
-            return here.four(image, frame, pose, size, paint, framing_at(frame), seen)
+            return here.four(image, frame, pose, size, paint, framing_at(frame), surface_layer)
 
         return four
     return lambda frame, _: studio.at(frame).parallel(

@@ -64,19 +64,19 @@ def shade(
     colours: Array,
     Ts_camera_part: Array,
     view: ViewCamera,
-    seen: Raster,
+    raster: Raster,
 ) -> tuple[Array, Mask]:
     """The colours (N, 3), 0 to 255, of the N pixels in the mask (H, W) that show the body.
 
     normal_maps are those of `smooth_normal_maps`, colours (P, 3) those of the parts.
     """
-    mask = seen.part >= 0
+    mask = raster.part >= 0
     Ts_eye_part = view.T_view_camera @ Ts_camera_part
-    normals = _pixel_normals(mesh, normal_maps, Ts_eye_part, view, seen, mask)
+    normals = _pixel_normals(mesh, normal_maps, Ts_eye_part, view, raster, mask)
     wrapped = np.clip((normals @ TO_LIGHT + 0.35) / 1.35, 0.0, 1.0)
     edge = np.clip(1.0 + normals[:, 2], 0.0, 1.0)
     brightness = 0.55 + 0.53 * wrapped - 0.14 * edge**3
-    rgb = colours[seen.part[mask]] * brightness[:, None]
+    rgb = colours[raster.part[mask]] * brightness[:, None]
     return np.clip(rgb, 0.0, 255.0), mask
 
 
@@ -85,16 +85,16 @@ def _pixel_normals(
     normal_maps: Array,
     Ts_eye_part: Array,
     view: ViewCamera,
-    seen: Raster,
+    raster: Raster,
     mask: Mask,
 ) -> Array:
     """Unit normals (N, 3) in the view's frame, facing the camera."""
     rows, columns = np.nonzero(mask)
-    depth = seen.depth[mask].astype(np.float64)
+    depth = raster.depth[mask].astype(np.float64)
     p_eye = view.back_project(np.column_stack([columns, rows]), depth)
     turn = Ts_eye_part[mesh.face_part, :3, :3] @ normal_maps
     to_part = np.linalg.inv(Ts_eye_part)[mesh.face_part]
-    maps = (turn @ to_part)[seen.face[mask]]
+    maps = (turn @ to_part)[raster.face[mask]]
     normals = np.einsum("nij,nj->ni", maps[:, :, :3], p_eye) + maps[:, :, 3]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     away = np.einsum("ni,ni->n", normals, view.rays(p_eye)) > 0
@@ -102,9 +102,9 @@ def _pixel_normals(
     return np.asarray(normals)
 
 
-def part_borders(seen: Raster) -> Mask:
+def part_borders(raster: Raster) -> Mask:
     """Pixels (H, W) on the border between parts, or between the body and what is behind it."""
-    part = np.pad(seen.part, 1, constant_values=-1)
+    part = np.pad(raster.part, 1, constant_values=-1)
     middle = part[1:-1, 1:-1]
     border = np.zeros(middle.shape, dtype=bool)
     for rows, columns in ((0, 1), (2, 1), (1, 0), (1, 2)):

@@ -68,7 +68,7 @@ class Lines:
 
 
 def body_lines(
-    mesh: BodyMesh, edges: BodyEdges, Ts_camera_part: Array, view: ViewCamera, seen: Raster
+    mesh: BodyMesh, edges: BodyEdges, Ts_camera_part: Array, view: ViewCamera, raster: Raster
 ) -> Lines:
     """Outlines and creases of every part, cut into pieces that are wholly seen or wholly hidden."""
     p_eye = mesh.posed(view.T_view_camera @ Ts_camera_part)
@@ -79,7 +79,7 @@ def body_lines(
     ends = p_eye[edges.ends[drawn]]
     part = mesh.vertex_part[edges.ends[drawn, 0]]
     pieces, of_edge = _cut(*_before(ends, view), view)
-    behind = _is_behind(pieces.mean(axis=1), view, seen)
+    behind = _is_behind(pieces.mean(axis=1), view, raster)
     uv = view.project(pieces)
     visible = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
     return Lines(uv[visible], part[of_edge][visible], (behind | own_back[of_edge])[visible])
@@ -123,11 +123,11 @@ def _cut(
     return start + shares[:, :, None] * step, names[edge]
 
 
-def _is_behind(p_eye: Array, view: ViewCamera, seen: Raster) -> Mask:
+def _is_behind(p_eye: Array, view: ViewCamera, raster: Raster) -> Mask:
     """Which points (M, 3) lie behind the surface seen there, one pixel of tolerance
     included.
     """
-    depth = cv2.dilate(np.minimum(seen.depth, 1e6), np.ones((3, 3), np.uint8))
+    depth = cv2.dilate(np.minimum(raster.depth, 1e6), np.ones((3, 3), np.uint8))
     uv = np.rint(np.nan_to_num(view.project(p_eye), nan=-1.0))
     inside = (uv >= 0).all(axis=1) & (uv < (view.width, view.height)).all(axis=1)
     behind = np.zeros(len(p_eye), dtype=bool)

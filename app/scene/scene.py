@@ -113,23 +113,23 @@ class Scenery:
             return None
         return np.asarray(self.R_view_camera(role)[2])
 
-    def looks_like(self, other: Scenery) -> bool:
+    def looks_like(self, scenery: Scenery) -> bool:
         """The same body in the same colours, wherever it is."""
         return (
-            self.body is other.body
-            and self.selected == other.selected
-            and self.mode == other.mode
-            and self.opacity == other.opacity
+            self.body is scenery.body
+            and self.selected == scenery.selected
+            and self.mode == scenery.mode
+            and self.opacity == scenery.opacity
         )
 
-    def is_seen_as(self, other: Scenery) -> bool:
+    def is_seen_as(self, scenery: Scenery) -> bool:
         """Tell whether both are seen from the same sides."""
-        same = (np.array_equal(self.R_view_camera(r), other.R_view_camera(r)) for r in ROLES)
-        return self.telephoto == other.telephoto and all(same)
+        same = (np.array_equal(self.R_view_camera(r), scenery.R_view_camera(r)) for r in ROLES)
+        return self.telephoto == scenery.telephoto and all(same)
 
-    def is_posed_as(self, other: Scenery) -> bool:
-        return self.Ts_camera_part is other.Ts_camera_part or np.array_equal(
-            self.Ts_camera_part, other.Ts_camera_part
+    def is_posed_as(self, scenery: Scenery) -> bool:
+        return self.Ts_camera_part is scenery.Ts_camera_part or np.array_equal(
+            self.Ts_camera_part, scenery.Ts_camera_part
         )
 
 

@@ -82,8 +82,10 @@ def _before(edit: EditorState) -> tuple[Body, Array] | None:
     """The body that is compared with, as it is posed at the present frame."""
     if edit.compared is None:
         return None
-    other = edit.with_doc(edit.compared)
-    return other.doc.subject.body, pose_transforms(other.skeleton, shown_pose(other).pose)
+    editor_state = edit.with_doc(edit.compared)
+    return editor_state.doc.subject.body, pose_transforms(
+        editor_state.skeleton, shown_pose(editor_state).pose
+    )
 
 
 def _trail(section: Any, frame: int) -> Trail | None:

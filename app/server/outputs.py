@@ -115,8 +115,8 @@ class Outputs:
         try:
             edit, video = await self._require_open()
             drafted = has_drafted_keypoints(edit.settled)  # which has outlines, or nothing
-            known = None if drafted else self._store.app_state.keypoints.of_segment
-            content = await asyncio.to_thread(_person_png, edit, video, frame, known)
+            keypoints = None if drafted else self._store.app_state.keypoints.of_segment
+            content = await asyncio.to_thread(_person_png, edit, video, frame, keypoints)
         except KeyposeError as error:
             return _refused(error)
         return _download(content, "image/png", f"{self._store.name}-{frame}-person.png")
@@ -185,11 +185,11 @@ def _png(edit: EditorState, video: Video, frame: int, order: PicturesOrder) -> b
     return png(snapshot(edit.doc, video, frame, pose, look))
 
 
-def _person_png(edit: EditorState, video: Video, frame: int, known: Keypoints | None) -> bytes:
+def _person_png(edit: EditorState, video: Video, frame: int, keypoints: Keypoints | None) -> bytes:
     """Where the person is in the camera's picture, in one colour; KeyposeError where nobody is."""
     from keypose.app.export.matte import shown_mask  # its network loads when wanted
 
-    share = shown_mask(edit.settled, video, frame, shown_pose(edit, frame).pose, known)
+    share = shown_mask(edit.settled, video, frame, shown_pose(edit, frame).pose, keypoints)
     colour = np.full((*share.shape, 3), MASK_COLOUR, np.uint8)
     return png(np.dstack([colour, np.round(MASK_OPACITY * share).astype(np.uint8)]))
 

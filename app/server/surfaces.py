@@ -223,7 +223,7 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
     return (*key, doc.subject.body, doc.model_keyframe, doc.view.surface, *pose_key)
 
 
-def _sample(wanted: WantedStep, known: SurfaceSeen) -> Found | None:
+def _sample(wanted: WantedStep, surface_seen: SurfaceSeen) -> Found | None:
     """The surface as it is sent to the small views, and what was seen of it; None where it lies
     elsewhere by now."""
     observed, edit, frame = wanted.observed, wanted.edit, wanted.edit.frame
@@ -236,7 +236,7 @@ def _sample(wanted: WantedStep, known: SurfaceSeen) -> Found | None:
     except Outdated:
         return None
     except KeyposeError as error:
-        return None, replace(known, frame=frame, problem=str(error), faces=0, rims=rims)
+        return None, replace(surface_seen, frame=frame, problem=str(error), faces=0, rims=rims)
     low, high = surface.mesh.vertices.min(axis=0), surface.mesh.vertices.max(axis=0)
     x, y, z = (float(v) for v in (low + high) / 2)
     seen = SurfaceSeen(frame, "", len(surface.mesh.faces), (x, y, z), rims, rated)

@@ -29,9 +29,9 @@ class KnownKeypoints:
 
     def at(self, frame: int) -> Keypoints | None:
         """The keypoints of one frame: what tracking uses goes first."""
-        for known in (self.of_segment, self.of_file):
-            if known is not None and known.first_frame <= frame <= known.last_frame:
-                return known.over(frame, frame)
+        for keypoints in (self.of_segment, self.of_file):
+            if keypoints is not None and keypoints.first_frame <= frame <= keypoints.last_frame:
+                return keypoints.over(frame, frame)
         return None
 
 

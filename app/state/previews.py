@@ -38,12 +38,14 @@ class SizesPreview:
     looking_back: bool = False
 
     @classmethod
-    def of(cls, found: SizesFitted, edit: EditorState) -> SizesPreview | None:
+    def of(cls, sizes_fitted: SizesFitted, edit: EditorState) -> SizesPreview | None:
         """Sizes alone to begin with; None where nothing fits better."""
-        alone, with_poses = (_proposed(edit, some) for some in (found.alone, found.with_poses))
+        alone, with_poses = (
+            _proposed(edit, proposal) for proposal in (sizes_fitted.alone, sizes_fitted.with_poses)
+        )
         if alone is None and with_poses is None:
             return None
-        return cls(found, edit.doc, alone, with_poses, poses=alone is None)
+        return cls(sizes_fitted, edit.doc, alone, with_poses, poses=alone is None)
 
     @property
     def after(self) -> Session:
@@ -71,8 +73,8 @@ class SizesPreview:
 
     def applied_to(self, edit: EditorState) -> EditorState:
         """The new sizes, as one step that can be undone."""
-        some = self.proposal
-        return with_sizes_fitted(edit, some.body, some.camera, some.keyposes)
+        proposal = self.proposal
+        return with_sizes_fitted(edit, proposal.body, proposal.camera, proposal.keyposes)
 
 
 @dataclass(frozen=True, eq=False)

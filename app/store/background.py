@@ -166,25 +166,27 @@ class KeypointFinder:
                 self._reading = self._loop.create_task(self._read(question))
                 return
         self._shown = self._wanted
-        of_file, of_segment = (found for answer in answers for found in answer or ())
+        of_file, of_segment = (keypoints for answer in answers for keypoints in answer or ())
         self._found(KnownKeypoints(of_segment, of_file))
 
     def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
         """None where it was not asked yet."""
-        return next(((found,) for known, found in self._answers if _is_same(known, question)), None)
+        return next(
+            ((keypoints,) for known, keypoints in self._answers if _is_same(known, question)), None
+        )
 
     def _read_before(self, question: _Question) -> Keypoints | None:
         return next(iter(self._answer(question) or ()), None)
 
     async def _read(self, question: _Question) -> None:
-        found = await asyncio.to_thread(_or_none, question.read)
-        self._answers = [*self._answers, (question, found)][-MOST_REMEMBERED:]
+        keypoints = await asyncio.to_thread(_or_none, question.read)
+        self._answers = [*self._answers, (question, keypoints)][-MOST_REMEMBERED:]
         self._reading = None
         self._go_on()
 
 
-def _is_same(one: _Question, other: _Question) -> bool:
-    return unchanged(one.made_of, other.made_of)
+def _is_same(question: _Question, other: _Question) -> bool:
+    return unchanged(question.made_of, other.made_of)
 
 
 def _or_none(read: _Read) -> Keypoints | None:
@@ -259,10 +261,10 @@ class DraftLearner:
             self._found = job, began, end.result
         self.go_on()
 
-    def _take(self, job: LearnDrafts, began: EditorState, found: Learned) -> None:
+    def _take(self, job: LearnDrafts, began: EditorState, poses: Learned) -> None:
         self._found = None
         with suppress(KeyposeError):  # drafts that cannot be stay as they are
-            after, words = job.taken(found, began, self._host.app_state)
+            after, words = job.taken(poses, began, self._host.app_state)
             self._host.take(after)
             if words and not self._announced:
                 self._announced = True

@@ -135,7 +135,7 @@ class Fitter:
     def _tracked(self) -> set[Span]:
         """The segments whose motion is as the session asks for it."""
         _, edit = self._current()
-        return {span for span, found in edit.fitting.items() if found.finished}
+        return {span for span, segment_result in edit.fitting.items() if segment_result.finished}
 
     def _resume_tracking(self) -> None:
         self._request = self._found = None

@@ -93,35 +93,37 @@ def _inputs(doc: Session) -> tuple[object, ...]:
 
 
 def _of_motion(made: MotionImport, file: str, doc: Session) -> ImportOutcome:
-    found, motion = made.found, made.found.fit.trajectory
-    rms_cm = 100 * float(np.sqrt(np.nanmean(found.fit.rms_m**2)))
+    imported_motion, motion = made.found, made.found.fit.trajectory
+    rms_cm = 100 * float(np.sqrt(np.nanmean(imported_motion.fit.rms_m**2)))
     words = f"{file} imported, frames {motion.first_frame}–{motion.last_frame}."
-    sentences = [*note_words(found.notes), f"Joint error {rms_cm:.1f} cm (rms)."]
-    if found.aligned:
-        sentences.append(f"Aligned with {_frames('keyframe', found.aligned)}.")
-    if found.scale != 1.0:
-        sentences.append(f"Scaled to the body: × {found.scale:.3g}.")
+    sentences = [*note_words(imported_motion.notes), f"Joint error {rms_cm:.1f} cm (rms)."]
+    if imported_motion.aligned:
+        sentences.append(f"Aligned with {_frames('keyframe', imported_motion.aligned)}.")
+    if imported_motion.scale != 1.0:
+        sentences.append(f"Scaled to the body: × {imported_motion.scale:.3g}.")
     if len(doc.subject.keyframes) < LEAST_TRACKED:
         sentences.append("Reduce it to keyframes to see it, to edit it and to track from it.")
     else:
         sentences.append(
             "Tracking starts from it where it fits the video better than its own guess."
         )
-    return ImportOutcome(words, " ".join(sentences), bool(found.notes))
+    return ImportOutcome(words, " ".join(sentences), bool(imported_motion.notes))
 
 
-def _of_drafts(found: DraftImport, file: str) -> ImportOutcome:
-    drafted = [draft.keyframe.frame for draft in found.drafts]
-    doubtful = [d.keyframe.frame for d in found.drafts if d.doubtful or not d.converged]
+def _of_drafts(draft_import: DraftImport, file: str) -> ImportOutcome:
+    drafted = [draft.keyframe.frame for draft in draft_import.drafts]
+    doubtful = [d.keyframe.frame for d in draft_import.drafts if d.doubtful or not d.converged]
     count = "1 draft" if len(drafted) == 1 else f"{len(drafted)} drafts"
     words = f"{count} made from {file}: {_frames('frame', drafted)}."
     closely = [f"Look closely at {_frames('frame', doubtful)}."] if doubtful else []
-    return ImportOutcome(words, " ".join([*note_words(found.notes), *closely]), bool(found.notes))
+    return ImportOutcome(
+        words, " ".join([*note_words(draft_import.notes), *closely]), bool(draft_import.notes)
+    )
 
 
-def _no_draft(found: DraftImport, doc: Session) -> str:
+def _no_draft(draft_import: DraftImport, doc: Session) -> str:
     posed = {k.frame for k in (*doc.subject.keyframes, *doc.subject.drafts)}
-    if found.frames and posed.issuperset(found.frames):
+    if draft_import.frames and posed.issuperset(draft_import.frames):
         return "All of these frames are posed already: choose others."
     return "No draft could be made: too few keypoints are seen at these frames."
 

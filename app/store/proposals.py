@@ -42,24 +42,26 @@ class Proposals:
 
     def reduce(self, action: actions.Reduce) -> None:
         """Find the keyframes of a motion; asked again, with another tolerance, find those."""
-        known = self._host.app_state.reduction
-        if known is None:
+        reduction_preview = self._host.app_state.reduction
+        if reduction_preview is None:
             self.require_none()
         job = self._fitter.ask(action)
         assert isinstance(job, ReduceMotion)
-        shown = known.reduction if known else None  # stays until the other is known
+        shown = (
+            reduction_preview.reduction if reduction_preview else None
+        )  # stays until the other is known
         preview = ReductionPreview(action, job.found, shown)
         self._host.take(replace(self._host.app_state, reduction=preview, fit=None))
 
     def answer_reduction(self, action: actions.ApplyReduction | actions.DiscardReduction) -> None:
         """Apply or discard the keyframes that were found."""
-        known, edit = self._host.app_state.reduction, self._host.app_state.edit
+        reduction_preview, edit = self._host.app_state.reduction, self._host.app_state.edit
         opened = self._host.opened
-        if known is None or edit is None or opened is None:
+        if reduction_preview is None or edit is None or opened is None:
             raise ActionRefused("There are no keyframes of a reduction to answer.")
         if isinstance(action, actions.ApplyReduction):
             self._lock.require_writable()
-            edit = known.applied_to(edit, opened.session_path)
-        elif known.busy:
+            edit = reduction_preview.applied_to(edit, opened.session_path)
+        elif reduction_preview.busy:
             self._fitter.cancel()
         self._host.take(replace(self._host.app_state, reduction=None, edit=edit))

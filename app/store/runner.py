@@ -366,8 +366,8 @@ class Runner:
     def _on_tracked(self, step: Tracked) -> None:
         found, span = step.found, step.found.result.span
         if not isinstance(found, SegmentFinished):
-            known = self.running.get(span, Running())
-            scores = (*(known.scores if found.number else ()), found.score)
+            running = self.running.get(span, Running())
+            scores = (*(running.scores if found.number else ()), found.score)
             number, of = found.number + 1, max(found.of, found.number + 1)
             at_work = Running("tracking", number, of, int(100 * step.share), scores)
             self.running = {**self.running, span: at_work}

@@ -94,7 +94,9 @@ class Store:
         self._fitter = Fitter(self._runner, self)
         self._learner = DraftLearner(self._runner, self)
         self._people = PeopleLooker(self._runner, self, lambda people: self._set(people=people))
-        self._keypoints = KeypointFinder(loop, lambda known: self._set(keypoints=known))
+        self._keypoints = KeypointFinder(
+            loop, lambda known_keypoints: self._set(keypoints=known_keypoints)
+        )
         self._turn_asked = False
         self._dragging: Tab | None = None
         self._progress_later: asyncio.TimerHandle | None = None
@@ -296,10 +298,10 @@ class Store:
                 self._learner.go_on()
                 self._solve_space()
 
-    def _on_previews(self, found: Previews) -> None:
+    def _on_previews(self, previews: Previews) -> None:
         """The tracker has followed a hand's move: shown at once."""
         if (edit := self._app_state.edit) is not None:
-            self._set(edit=replace(edit, previews=found))
+            self._set(edit=replace(edit, previews=previews))
 
     def _take_previewed(self) -> None:
         """Take over what was found during a gesture for the poses it ended with."""

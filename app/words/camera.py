@@ -51,18 +51,22 @@ def camera_sentence(kind: str, zooms: bool, error_px: float | None) -> str:
 
 def way_sentences(motion: CameraMotion) -> list[str]:
     """Say how far the camera went, where that was found and is no more than likely."""
-    found = [way for way in motion.ways if way.farthest_m is not None and way.sigma is not None]
+    camera_ways = [
+        camera_way
+        for camera_way in motion.ways
+        if camera_way.farthest_m is not None and camera_way.sigma is not None
+    ]
     several = len(motion.pieces) > 1
-    return [_way_sentence(way, several) for way in found]
+    return [_way_sentence(way, several) for way in camera_ways]
 
 
-def _way_sentence(way: CameraWay, several: bool) -> str:
-    assert way.farthest_m is not None
-    assert way.sigma is not None
-    off_m = SIGMAS_SAID * way.sigma * way.farthest_m
-    frames = f"Frames {way.first_frame}–{way.last_frame}: the" if several else "The"
+def _way_sentence(camera_way: CameraWay, several: bool) -> str:
+    assert camera_way.farthest_m is not None
+    assert camera_way.sigma is not None
+    off_m = SIGMAS_SAID * camera_way.sigma * camera_way.farthest_m
+    frames = f"Frames {camera_way.first_frame}–{camera_way.last_frame}: the" if several else "The"
     return (
-        f"{frames} camera went {_metres(way.farthest_m, off_m)} from where it began, by "
+        f"{frames} camera went {_metres(camera_way.farthest_m, off_m)} from where it began, by "
         "where feet stand and how the body moves."
     )
 
@@ -78,7 +82,10 @@ def unscaled_words(session: Session) -> str | None:
     motion = session.view.camera_motion
     if motion is None or not motion.unscaled or session.camera_path is None:
         return None
-    frames = ", ".join(f"{one.first_frame}–{one.last_frame}" for one in motion.unscaled)
+    frames = ", ".join(
+        f"{camera_finding.first_frame}–{camera_finding.last_frame}"
+        for camera_finding in motion.unscaled
+    )
     return (
         f"The scale of the camera's path is not known in frames {frames}: the motion is written as "
         "if the camera had only turned there. Stand it on the floor, or say how far the camera "
@@ -91,23 +98,33 @@ def lens_sentence(focal_mm: float) -> str:
     return f"The lens is set to {focal_mm:.0f} mm by how the camera moves: it was a guess before."
 
 
-def finding_sentence(*found: CameraFinding) -> str:
+def finding_sentence(*camera_findings: CameraFinding) -> str:
     """Say what is not known of a camera's motion. found: all of one kind."""
-    spans = [(one.first_frame, one.last_frame) for one in found]
-    several = len(found) > 1 or spans[0][1] > spans[0][0]
+    spans = [
+        (camera_finding.first_frame, camera_finding.last_frame)
+        for camera_finding in camera_findings
+    ]
+    several = len(camera_findings) > 1 or spans[0][1] > spans[0][0]
     frames = ", ".join(f"{first}–{last}" if last > first else f"{first}" for first, last in spans)
-    kind: str = found[0].kind
-    if kind == "rolling_shutter" and not found[0].amount:
+    kind: str = camera_findings[0].kind
+    if kind == "rolling_shutter" and not camera_findings[0].amount:
         kind = "rolling_shutter_left"
     return _FINDINGS[kind].format(
-        frames=f"{'Frames' if several else 'Frame'} {frames}", amount=found[0].amount
+        frames=f"{'Frames' if several else 'Frame'} {frames}", amount=camera_findings[0].amount
     )
 
 
-def finding_sentences(found: Sequence[CameraFinding]) -> list[str]:
+def finding_sentences(camera_findings: Sequence[CameraFinding]) -> list[str]:
     """One for every kind, that of cuts first."""
-    kinds = sorted(dict.fromkeys(one.kind for one in found), key=lambda kind: kind != "cut")
-    return [finding_sentence(*(one for one in found if one.kind == kind)) for kind in kinds]
+    kinds = sorted(
+        dict.fromkeys(one.kind for one in camera_findings), key=lambda kind: kind != "cut"
+    )
+    return [
+        finding_sentence(
+            *(camera_finding for camera_finding in camera_findings if camera_finding.kind == kind)
+        )
+        for kind in kinds
+    ]
 
 
 def imported_words(made: Session, background_px: float | None) -> list[str]:

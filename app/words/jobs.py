@@ -36,9 +36,9 @@ def spans_text(spans: Sequence[Span]) -> str:
     return f"{len(spans)} segments"
 
 
-def closing_words(state: Ending, found: Sequence[SegmentResult | None]) -> str:
+def closing_words(state: Ending, segment_results: Sequence[SegmentResult | None]) -> str:
     """What is there of the segments that were to be tracked, now that it is over."""
-    tracks = [track for track in found if track is not None]
+    tracks = [track for track in segment_results if track is not None]
     kinds = [track.kind for track in tracks]
     if state == "cancelled" and any(track.missing for track in tracks):
         return "finished frames are kept; Fit continues from there"

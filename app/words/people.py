@@ -24,14 +24,15 @@ def box_text(box: Box) -> str:
     return ",".join(f"{edge:.0f}" for edge in box)
 
 
-def found_person_words(found: PeopleInFilm) -> str:
+def found_person_words(people_in_film: PeopleInFilm) -> str:
     """Which box was taken that nobody drew, and who was left out as they are much smaller."""
-    (person,) = found.people
-    words = f"One person found: --box {box_text(person.box)} --frame {found.frame}."
-    if not found.smaller:
+    (person,) = people_in_film.people
+    words = f"One person found: --box {box_text(person.box)} --frame {people_in_film.frame}."
+    if not people_in_film.smaller:
         return words
-    frames = ", ".join(str(frame) for frame in sorted(found.smaller))
-    return f"{words} Smaller people were left out (frame{'s' * (len(found.smaller) > 1)} {frames})."
+    frames = ", ".join(str(frame) for frame in sorted(people_in_film.smaller))
+    plural = "s" * (len(people_in_film.smaller) > 1)
+    return f"{words} Smaller people were left out (frame{plural} {frames})."
 
 
 def assumed_words(height_cm: float | None, lens_mm: float | None) -> str:
@@ -48,15 +49,15 @@ def assumed_words(height_cm: float | None, lens_mm: float | None) -> str:
     return f"The person is taken to be {' and '.join(taken)}." if taken else ""
 
 
-def several_words(found: PeopleInFilm) -> str:
+def several_words(people_in_film: PeopleInFilm) -> str:
     """Ask which of several people is meant, each with the options that name them."""
     choices = "; ".join(
         f"--box {box_text(person.box)} ({person.height_px:.0f} pixels tall)"
-        for person in found.people
+        for person in people_in_film.people
     )
     return (
-        f"{len(found.people)} people are to be seen at frame {found.frame}. Choose one, from left "
-        f"to right, with --frame {found.frame} and {choices}."
+        f"{len(people_in_film.people)} people are to be seen at frame {people_in_film.frame}. "
+        f"Choose one, from left to right, with --frame {people_in_film.frame} and {choices}."
     )
 
 

@@ -141,33 +141,33 @@ _SENTENCES: Final[Mapping[ProblemCause, Callable[[Problem, str], str]]] = {
 }
 
 
-def reason_of(found: Problem) -> str:
+def reason_of(problem: Problem) -> str:
     """Beside its part: "hidden behind the head, 83–92"."""
-    reason = _REASONS.get(found.cause)
-    return reason(found) if reason else reason_with_frames(_verdict(found))
+    reason = _REASONS.get(problem.cause)
+    return reason(problem) if reason else reason_with_frames(_verdict(problem))
 
 
-def sentence_of(found: Problem) -> str:
+def sentence_of(problem: Problem) -> str:
     """Word a problem by itself: "Left hand hidden behind the head, frames 83–92". The frames are
     left out where they are all of its segment.
     """
-    sentence = _SENTENCES.get(found.cause)
+    sentence = _SENTENCES.get(problem.cause)
     if sentence is None:
-        return short_sentence(_verdict(found), *found.span)
-    return sentence(found, "" if _is_all(found.frames, *found.span) else _within(found))
+        return short_sentence(_verdict(problem), *problem.span)
+    return sentence(problem, "" if _is_all(problem.frames, *problem.span) else _within(problem))
 
 
-def detail_of(found: Problem) -> str:
+def detail_of(problem: Problem) -> str:
     """The same beside what to do, always with the frames it is about."""
-    sentence = _SENTENCES.get(found.cause)
+    sentence = _SENTENCES.get(problem.cause)
     if sentence is None:
-        return reason_with_frames(_verdict(found), capital=True)
-    return sentence(found, _within(found))
+        return reason_with_frames(_verdict(problem), capital=True)
+    return sentence(problem, _within(problem))
 
 
-def todo_of(found: Problem) -> str:
+def todo_of(problem: Problem) -> str:
     """What to do at its frame."""
-    return add_keyframe(found.frame) if found.remedy == "key" else f"Go to {found.frame}"
+    return add_keyframe(problem.frame) if problem.remedy == "key" else f"Go to {problem.frame}"
 
 
 def size_of(px: float | None, cm: float | None) -> str:
@@ -187,38 +187,38 @@ def _short(value: float) -> str:
     return f"{value:.1f}" if value < 9.95 else f"{value:.0f}"
 
 
-def _hidden(found: Problem) -> str:
-    if found.behind is not None:
-        return f"hidden behind the {readable(found.behind)}"
-    return "partly hidden" if found.partly else "hidden"
+def _hidden(problem: Problem) -> str:
+    if problem.behind is not None:
+        return f"hidden behind the {readable(problem.behind)}"
+    return "partly hidden" if problem.partly else "hidden"
 
 
-def _differs(found: Problem) -> str:
+def _differs(problem: Problem) -> str:
     """From what a part in doubt differs: feet follow shins, and nothing is tracked of them."""
-    return FOOT if (found.part or "").endswith("_foot") else PASSES
+    return FOOT if (problem.part or "").endswith("_foot") else PASSES
 
 
-def _part(found: Problem) -> str:
-    return part_label(found.part or "body")
+def _part(problem: Problem) -> str:
+    return part_label(problem.part or "body")
 
 
-def _within(found: Problem) -> str:
-    return f", {named_frames(*found.frames)}"
+def _within(problem: Problem) -> str:
+    return f", {named_frames(*problem.frames)}"
 
 
-def _length(found: Problem) -> int:
-    return found.span[1] - found.span[0]
+def _length(problem: Problem) -> int:
+    return problem.span[1] - problem.span[0]
 
 
-def _verdict(found: Problem) -> Verdict:
+def _verdict(problem: Problem) -> Verdict:
     """What verdicts have words for."""
     return Verdict.model_construct(
-        kind=found.kind,
-        cause=found.cause,
-        part=found.part,
-        frames=found.frames,
-        go=found.frame,
-        text=found.text,
+        kind=problem.kind,
+        cause=problem.cause,
+        part=problem.part,
+        frames=problem.frames,
+        go=problem.frame,
+        text=problem.text,
     )
 
 
@@ -237,22 +237,22 @@ _SPACE_SENTENCES: Final[Mapping[str, str]] = {
 }
 
 
-def space_sentence(found: SpaceFinding) -> str:
+def space_sentence(space_finding: SpaceFinding) -> str:
     """Such as "Left foot slides 9 cm, 40–55"."""
-    part = part_label(found.part)
+    part = part_label(space_finding.part)
     the_part = f"the {part[:1].lower()}{part[1:]}"
-    if found.kind in ("keyframe_depth", "mirrored", "twisted"):
+    if space_finding.kind in ("keyframe_depth", "mirrored", "twisted"):
         part = the_part
-    return _SPACE_SENTENCES[found.kind].format(
+    return _SPACE_SENTENCES[space_finding.kind].format(
         part=part,
         the_part=the_part,
-        px=f"{found.amount:.0f}",
-        cm=_centimetres(found.amount),
-        frames=f"{found.first_frame}–{found.last_frame}",
-        go=found.go,
-        way="nearer" if found.amount < 0 else "farther away",
-        deg=round(abs(math.degrees(found.amount))),
-        acceleration=f"{found.amount:.0f}",
+        px=f"{space_finding.amount:.0f}",
+        cm=_centimetres(space_finding.amount),
+        frames=f"{space_finding.first_frame}–{space_finding.last_frame}",
+        go=space_finding.go,
+        way="nearer" if space_finding.amount < 0 else "farther away",
+        deg=round(abs(math.degrees(space_finding.amount))),
+        acceleration=f"{space_finding.amount:.0f}",
     )
 
 

@@ -62,11 +62,11 @@ def left_words(count: int, goal_px: float) -> str:
     return f"{count} place{'s' if count > 1 else ''} left above {goal_px:g} px"
 
 
-def right_words(found: Review, goal_px: float) -> str:
+def right_words(review: Review, goal_px: float) -> str:
     """Why a goal cannot be promised, to be put after `left_words`; mostly empty."""
-    if found.right_px is None or found.right_px <= goal_px:
+    if review.right_px is None or review.right_px <= goal_px:
         return ""
-    return f", but a joint that is right is off by {size_of(found.right_px, None)} in this video"
+    return f", but a joint that is right is off by {size_of(review.right_px, None)} in this video"
 
 
 def answers_words(answered: Sequence[Reviewed]) -> str:
@@ -78,5 +78,5 @@ def answers_words(answered: Sequence[Reviewed]) -> str:
     counted = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(left)} accepted."
     if not left:
         return counted
-    places = ", ".join(f"{readable(one.part)} at {one.frame}" for one in left)
+    places = ", ".join(f"{readable(reviewed.part)} at {reviewed.frame}" for reviewed in left)
     return f"{counted} Nobody can tell: {places}."

@@ -37,24 +37,30 @@ _SAY: Final = {"lines": "say", "set": "says"}
 """After a source; "says" after all others."""
 
 
-def up_words(found: UpEstimate) -> str:
+def up_words(up_estimate: UpEstimate) -> str:
     """Such as "The camera looks down by 3° ± 2°, by upright lines."; where that is much, what makes
     it surer; where ways disagree what both say, and which is used."""
-    if found.apart:
-        used = _by(found)
-        verb = "is" if len(found.sources) == 1 and found.sources[0] != "lines" else "are"
-        return f"{apart_words(found)} {used[0].upper()}{used[1:]} {verb} used."
-    words = f"{_camera_words(found.up.tolist(), off_words(found.sigma_rad))}, by {_by(found)}."
-    is_sure = off_deg(found.sigma_rad) <= SURE_DEG
+    if up_estimate.apart:
+        used = _by(up_estimate)
+        verb = (
+            "is" if len(up_estimate.sources) == 1 and up_estimate.sources[0] != "lines" else "are"
+        )
+        return f"{apart_words(up_estimate)} {used[0].upper()}{used[1:]} {verb} used."
+    camera = _camera_words(up_estimate.up.tolist(), off_words(up_estimate.sigma_rad))
+    words = f"{camera}, by {_by(up_estimate)}."
+    is_sure = off_deg(up_estimate.sigma_rad) <= SURE_DEG
     return words if is_sure else f"{words} Draw the horizon to be surer."
 
 
-def apart_words(found: UpEstimate) -> str:
+def apart_words(up_estimate: UpEstimate) -> str:
     """Such as "Upright lines say the camera looks down by 3° ± 2°, how the person stands says 12° ±
     3°."; empty where all agree."""
-    if not found.apart:
+    if not up_estimate.apart:
         return ""
-    used, worst = found.used[0], max(found.apart, key=lambda one: one.sigmas).evidence
+    used, worst = (
+        up_estimate.used[0],
+        max(up_estimate.apart, key=lambda disagreement: disagreement.sigmas).evidence,
+    )
     axis = _axis_apart(used, worst)
     says = f"{SOURCES[worst.source]} {_SAY.get(worst.source, 'says')}"
     (way, deg), (other_way, other_deg) = (_angle(each.up, axis) for each in (used, worst))
@@ -106,8 +112,8 @@ def off_words(sigma_rad: float) -> str:
     return f" ± {off}°" if off <= MOST_SAID_DEG else ""
 
 
-def _by(found: UpEstimate) -> str:
-    return listed([SOURCES[source] for source in found.sources])
+def _by(up_estimate: UpEstimate) -> str:
+    return listed([SOURCES[source] for source in up_estimate.sources])
 
 
 LEAST_ACROSS: Final = 1e-3
@@ -122,14 +128,16 @@ def _sigma_rad(of: UnsureUp, axis: str) -> float:
     return of.sigma_along(np.array(by_up[axis]))
 
 
-def _axis_apart(one: UpEvidence, other: UpEvidence) -> str:
+def _axis_apart(up_evidence: UpEvidence, other: UpEvidence) -> str:
     """Tilt or roll: in which two differ by more of their standard deviation."""
-    (tilt, roll), (other_tilt, other_roll) = (tilt_and_roll(each.up) for each in (one, other))
+    (tilt, roll), (other_tilt, other_roll) = (
+        tilt_and_roll(each.up) for each in (up_evidence, other)
+    )
     off_deg = {"tilt": tilt - other_tilt, "roll": math.remainder(roll - other_roll, 360.0)}
     return max(
         off_deg,
         key=lambda axis: (
-            abs(off_deg[axis]) / math.hypot(_sigma_rad(one, axis), _sigma_rad(other, axis))
+            abs(off_deg[axis]) / math.hypot(_sigma_rad(up_evidence, axis), _sigma_rad(other, axis))
         ),
     )
 

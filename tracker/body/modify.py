@@ -142,12 +142,12 @@ def with_new_part(body: Body, parent: str, name: str) -> Body:
     BodyError where there is no such parent, or the name is taken.
     """
     _require_new(body, name)
-    given = body.parts[body.index(parent)]
-    start, end = given.shape.span_y
+    part = body.parts[body.index(parent)]
+    start, end = part.shape.span_y
     shape = Cylinder(
         start_m=0.0,
         end_m=end - start,
-        radius_m=THINNER * given.shape.width_m / 2,
+        radius_m=THINNER * part.shape.width_m / 2,
     )
     new = Part(name=name, parent=parent, joint_m=(0.0, end, 0.0), shape=shape, tracked=ROTATIONS)
     return body.replaced((*body.parts, new))

@@ -73,9 +73,9 @@ class BodyBackground:
             return self.poses[min(around, key=lambda f: abs(f - frame))]
         first, last = around
         share = (frame - first) / (last - first)
-        one, other = self.poses[first], self.poses[last]
-        Rs = rotation_between(one.Rs_parent_part, other.Rs_parent_part, np.array([share]))[0]
-        return Pose(Rs, one.p_camera_root + share * (other.p_camera_root - one.p_camera_root))
+        pose, other = self.poses[first], self.poses[last]
+        Rs = rotation_between(pose.Rs_parent_part, other.Rs_parent_part, np.array([share]))[0]
+        return Pose(Rs, pose.p_camera_root + share * (other.p_camera_root - pose.p_camera_root))
 
     def _cover(self, covered: NDArray[np.uint8], pose: Pose, camera: Camera) -> None:
         outlines = [uv for uv in self._outlines(pose, camera) if len(uv) > 2]

@@ -163,13 +163,13 @@ def _findings(
     causes = [
         "no_texture" if f and c == "not_rigid" else c for c, f in zip(causes, faded, strict=True)
     ]
-    found = gaps(causes)
-    found += [Finding("cut", frame, frame, 1.0) for frame in cuts]
+    findings = gaps(causes)
+    findings += [Finding("cut", frame, frame, 1.0) for frame in cuts]
     last = len(measured) - 1
     shares = measured.share[known]
     if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
-        found.append(Finding("not_rigid", 0, last, 1 - share))
+        findings.append(Finding("not_rigid", 0, last, 1 - share))
     readout = shutter.found()
     if kind != "static" and readout is not None:
-        found.append(Finding("rolling_shutter", 0, last, readout if kind == "turns" else 0.0))
-    return sorted(found, key=lambda finding: finding.first_frame)
+        findings.append(Finding("rolling_shutter", 0, last, readout if kind == "turns" else 0.0))
+    return sorted(findings, key=lambda finding: finding.first_frame)

@@ -97,7 +97,7 @@ def scenes(
 
 def gaps(causes: Sequence[str]) -> list[Finding]:
     """Findings of the runs of frames at which nothing is known, by their most frequent cause."""
-    found: list[Finding] = []
+    findings: list[Finding] = []
     first, shortest = None, min(SHORTEST, len(causes))
     for frame, cause in enumerate([*causes, ""]):
         if cause and first is None:
@@ -107,6 +107,6 @@ def gaps(causes: Sequence[str]) -> list[Finding]:
             if run and frame - first >= shortest:
                 most = max(sorted(set(run)), key=run.count)
                 amount = (frame - first) / len(causes)
-                found.append(Finding(most, first, frame - 1, amount))  # type: ignore[arg-type]
+                findings.append(Finding(most, first, frame - 1, amount))  # type: ignore[arg-type]
             first = None
-    return found
+    return findings

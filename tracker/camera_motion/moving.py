@@ -292,8 +292,8 @@ class MovingCamera:
     ) -> Resected:
         """Of points (K,) seen at xy (K, 2) the camera's place, and which agree with it (K,)."""
         sound = self._map.sound[ids]
-        seen = self._map.seen(ids[sound], xy[sound])
-        found = resected(start, seen, self._map.noise, STEP, scales)
+        seen_points = self._map.seen(ids[sound], xy[sound])
+        found = resected(start, seen_points, self._map.noise, STEP, scales)
         agree = np.zeros(len(ids), bool)
         agree[sound] = found.agree
         return Resected(found.T, agree, found.error)
@@ -377,19 +377,19 @@ class MovingCamera:
             return
         until = self._map.views[min(count, len(self._map.views) - 1)].frame
         done = [one for one in self._waiting if one.frame < until]
-        self._waiting = [one for one in self._waiting if one.frame >= until]
+        self._waiting = [frame for frame in self._waiting if frame.frame >= until]
         self._settle_frames(done)
 
     def _settle_frames(self, frames: list[_Frame]) -> None:
         views = {view.frame: view.T for view in self._map.views}
-        for one in frames:
-            start, scales = self._Ts[one.frame], STARTING if one.turned else SETTLING
-            if one.frame in views:
-                start, scales = views[one.frame], STAYING
+        for frame in frames:
+            start, scales = self._Ts[frame.frame], STARTING if frame.turned else SETTLING
+            if frame.frame in views:
+                start, scales = views[frame.frame], STAYING
             if self.known:
-                placed = self._placed(start, one.ids, one.xy, scales)
-                start, self.errors_px[one.frame] = placed.T, self._px(placed.error)
-            self._Ts[one.frame] = start
+                placed = self._placed(start, frame.ids, frame.xy, scales)
+                start, self.errors_px[frame.frame] = placed.T, self._px(placed.error)
+            self._Ts[frame.frame] = start
 
 
 def _cause(usable: Mask | None) -> Cause:

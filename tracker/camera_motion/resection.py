@@ -53,7 +53,7 @@ class Resected:
 
 def resected(
     start: Array,
-    seen: SeenPoints,
+    seen_points: SeenPoints,
     noise: float,
     step_sd: float,
     scales: tuple[float, ...] = SCALES,
@@ -65,7 +65,7 @@ def resected(
     """
     T, held = start, np.diag([1 / step_sd**2] * 3 + [1e-6] * 3)
     for scale in scales:
-        J, miss, squares = _whitened(T, seen, scale * noise)
+        J, miss, squares = _whitened(T, seen_points, scale * noise)
         wJ = J / (1 + squares / KERNEL**2)
         gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]
         H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
@@ -75,7 +75,7 @@ def resected(
         T = _nudged(T, step)
         if scale == 1.0 and np.abs(step).max() < DONE:
             break
-    squares = _whitened(T, seen, noise)[2]
+    squares = _whitened(T, seen_points, noise)[2]
     agree = squares < INLIER**2
     return Resected(T, agree, float(np.sqrt(np.median(squares[agree]))) if agree.any() else np.nan)
 
@@ -93,20 +93,20 @@ def _nudged(T: Array, step: Array) -> Array:
     return moved @ T
 
 
-def _whitened(T: Array, seen: SeenPoints, noise: float) -> tuple[Array, Array, Array]:
+def _whitened(T: Array, seen_points: SeenPoints, noise: float) -> tuple[Array, Array, Array]:
     """Slopes (6, 2, K), residuals (2, K) and their squares (K,), in standard deviations."""
-    R, t, depth = T[:3, :3], T[:3, 3:], seen.depths
-    Y = R @ seen.world.T + depth * t
+    R, t, depth = T[:3, :3], T[:3, 3:], seen_points.depths
+    Y = R @ seen_points.world.T + depth * t
     ahead = Y[2] > LEAST_DEPTH
     near = 1 / np.where(ahead, Y[2], 1.0)
     u, v = xy = Y[:2] * near
-    miss = xy - seen.xy.T
-    shift = R @ seen.eyes.T + t
+    miss = xy - seen_points.xy.T
+    shift = R @ seen_points.eyes.T + t
     along = near * (shift[:2] - xy * shift[2])
     length = np.sqrt((along**2).sum(axis=0))
     # what an uncertain depth does along its line weighs less: the square root of the inverse of
     # the covariance is I − kept · unit unitᵀ, over the noise
-    kept = 1 - noise / np.sqrt(noise**2 + (seen.spread * length) ** 2)
+    kept = 1 - noise / np.sqrt(noise**2 + (seen_points.spread * length) ** 2)
     unit = along / np.maximum(length, 1e-12)
     a, zero, uv = depth * near, np.zeros_like(u), u * v
     J = np.stack([a, zero, zero, a, -a * u, -a * v, -uv, -1 - v * v, 1 + u * u, uv, -v, u])

@@ -54,9 +54,9 @@ class Turn:
     def none(cls) -> Turn:
         return cls(np.eye(3), 1.0)
 
-    def then(self, other: Turn) -> Turn:
-        """The turn that leads to `other` from the frame of reference that this one ends in."""
-        return Turn(other.R @ self.R, other.zoom * self.zoom)
+    def then(self, turn: Turn) -> Turn:
+        """The turn that leads to `turn` from the frame of reference that this one ends in."""
+        return Turn(turn.R @ self.R, turn.zoom * self.zoom)
 
     def inverse(self) -> Turn:
         return Turn(self.R.T, 1.0 / self.zoom)

@@ -118,23 +118,25 @@ class ViewMap:
         first, last = int(home.min()), int(home.max())
         return np.stack([view.T for view in self.views[first : last + 1]])[home - first]
 
-    def begin(self, one: View, other: View, ids: Indices, found: TwoViews) -> None:
+    def begin(self, view: View, other: View, ids: Indices, two_views: TwoViews) -> None:
         """Take what two views tell: where the other was, and how far points (K,) are. All views
         before were where the first was.
         """
         self.known = True
-        other.T = found.T @ one.T
+        other.T = two_views.T @ view.T
         self.depths[:] = self.mean[:] = 1.0
         self.spread[:] = SPREAD
-        eye = -one.T[:3, :3].T @ one.T[:3, 3]
-        b = np.concatenate([one.xy[np.searchsorted(one.ids, ids)], np.ones((len(ids), 1))], axis=1)
-        world = b / np.maximum(found.depths, 1e-3)[:, None] @ one.T[:3, :3] + eye
+        eye = -view.T[:3, :3].T @ view.T[:3, 3]
+        b = np.concatenate(
+            [view.xy[np.searchsorted(view.ids, ids)], np.ones((len(ids), 1))], axis=1
+        )
+        world = b / np.maximum(two_views.depths, 1e-3)[:, None] @ view.T[:3, :3] + eye
         Ts = self.homes(ids)
         z = np.einsum("ka,ka->k", Ts[:, 2, :3], world) + Ts[:, 2, 3]
-        good = found.agree & (z > 0)
+        good = two_views.agree & (z > 0)
         self.depths[ids[good]] = 1 / z[good]
-        self.spread[ids[good]] = found.spread[good]
-        self.sound[ids[~found.agree]] = False
+        self.spread[ids[good]] = two_views.spread[good]
+        self.sound[ids[~two_views.agree]] = False
 
     def adjust_last(self) -> None:
         """Adjust the last views and the points in them."""

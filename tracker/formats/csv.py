@@ -103,7 +103,7 @@ def angles_csv(
     """The table of joint angles; `times_s` (N,) are the times of the trajectory's frames."""
     columns = [f"{name}_r{axis}_deg" for name in skeleton.body.names for axis in "zyx"]
     columns += [f"{skeleton.body.names[0]}_{name}_deg" for name in ("heading", "roll", "pitch")]
-    columns += [name for one in clinical for name in _clinical_columns(one)]
+    columns += [name for joint_angles in clinical for name in _clinical_columns(joint_angles)]
     Rs = trajectory.Rs_parent_part
     level = known_smooth_euler(heading_first(Rs[:, :1], up_camera))[:, 0] * [1.0, -1.0, 1.0]
     zyx = known_smooth_euler(Rs).reshape(len(Rs), -1)
@@ -130,11 +130,11 @@ def _with_errors(angles: JointAngles) -> Array:
 
 def frames_csv(recording: Recording) -> str:
     """The table of frames."""
-    parts, found = recording.skeleton.body.names, recording.tracks.diagnostics
+    parts, diagnostics = recording.skeleton.body.names, recording.tracks.diagnostics
     evidence = [f"{part}_{what}" for what in ("observability", "residual") for part in parts]
-    steps = np.concatenate([found.observability, found.residual], axis=1)
+    steps = np.concatenate([diagnostics.observability, diagnostics.residual], axis=1)
     steps = np.concatenate([steps, np.full((1, 2 * len(parts)), np.nan)])
-    ranks = np.append(found.rank, -1)
+    ranks = np.append(diagnostics.rank, -1)
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow([*_FRAME_COLUMNS, *evidence])

@@ -95,7 +95,7 @@ def matched(
     bare = _without_common(words)
     spellings = [words] if bare == words else [words, bare]
     conventions = (_own_names(skeleton), *_rigs(skeleton.body), *_conventions(skeleton.body))
-    found = [_match(one, names, spelt) for one in conventions for spelt in spellings]
+    found = [_match(convention, names, spelt) for convention in conventions for spelt in spellings]
     return max(found, key=lambda m: m.count)  # the first of those alike
 
 
@@ -240,15 +240,15 @@ def _both_sides(body: Body, joints: Mapping[str, str]) -> dict[str, tuple[str, B
 
 def _rigs(body: Body) -> list[_Convention]:
     """The rigs that are written, read backwards: bones that begin at one place of one part."""
-    found = []
+    conventions = []
     for rig in RIGS:
         if rig == OWN:
             continue
         table = table_of(rig)
         bones = ((plain(row.name), _bone(body, row)) for row in table.rows())
         places = {name: place for name, place in bones if place is not None}
-        found.append(_Convention(table.title, places))
-    return found
+        conventions.append(_Convention(table.title, places))
+    return conventions
 
 
 def _bone(body: Body, row: Row) -> tuple[str, BodyPoint] | None:

@@ -144,7 +144,7 @@ def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
     points = tuple(((body.index(one.part), one.p_part),) for one in markers)
     places = BodyPoints(recording.skeleton, points)
     ps_camera = places.at(recording.trajectory.transforms(recording.skeleton))
-    return tuple(one.name for one in markers), recording.world.points(ps_camera)
+    return tuple(marker.name for marker in markers), recording.world.points(ps_camera)
 
 
 def _own_markers(body: Body) -> tuple[Marker, ...]:

@@ -69,7 +69,7 @@ def read_bvh(file: str, content: bytes) -> JointMotion:
     values = _values(file, text[mark.end() :], columns, mark[1])
     notes = () if mark[1] == str(len(values)) else (Note("row count", (mark[1][:20], len(values))),)
     require_size(file, len(values), len(joints))
-    kept = [i for i, one in enumerate(joints) if not one.is_end or _length(one) > SHORTEST]
+    kept = [i for i, joint in enumerate(joints) if not joint.is_end or _length(joint) > SHORTEST]
     names = [joints[i].name for i in kept]
     times_s: Array = seconds * np.arange(len(values), dtype=np.float64)
     rest = _rest(joints)[kept] * METRES["cm"]

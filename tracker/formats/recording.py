@@ -259,8 +259,8 @@ class Recording:
         """The poses each in the frame of the camera as it was then."""
         if self.seen_from is None:
             return self.tracks
-        seen = self.trajectory.carried(self.seen_from.Ts_camera_world)
-        Rs, ps = seen.Rs_parent_part, seen.ps_camera_root
+        trajectory = self.trajectory.carried(self.seen_from.Ts_camera_world)
+        Rs, ps = trajectory.Rs_parent_part, trajectory.ps_camera_root
         return replace(self.tracks, Rs_parent_part=Rs, ps_camera_root=ps)
 
     @cached_property
@@ -298,28 +298,30 @@ class Recording:
 
     def _angle_errors(self, world: Ground) -> dict[Joint, Array] | None:
         """By how much angles are expected to be off; None where no depth was lifted."""
-        known, tracks = self.tracks.diagnostics, self.as_seen
-        if known.expected_error is None or known.expected_depth is None:
+        diagnostics, tracks = self.tracks.diagnostics, self.as_seen
+        if diagnostics.expected_error is None or diagnostics.expected_depth is None:
             return None
         motion = Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
         zoom = 1.0 if self.seen_from is None else self.seen_from.zoom
-        across_m = in_metres(known.expected_error, self.camera, tracks.ps_camera_root, zoom)
+        across_m = in_metres(diagnostics.expected_error, self.camera, tracks.ps_camera_root, zoom)
         R_world_camera = world.R_ground_camera
         if self.seen_from is not None:
             R_world_camera = R_world_camera @ self.seen_from.Ts_world_camera[:, :3, :3]
-        return angle_errors(self.skeleton, motion, across_m, known.expected_depth, R_world_camera)
+        return angle_errors(
+            self.skeleton, motion, across_m, diagnostics.expected_depth, R_world_camera
+        )
 
     @cached_property
     def foot_pins(self) -> tuple[Pin, ...]:
         """The pins that hold feet, in the numbers of these frames."""
         feet = {part.name for part in self.skeleton.body.parts if sole_of(part)}
         film = self.film_frames
-        found = []
+        pins = []
         for pin in self.pins:
             if pin.part in feet and pin.last_frame >= film[0] and pin.first_frame <= film[-1]:
                 first, last = (self.frames[int(np.abs(film - f).argmin())] for f in pin.span)
-                found.append(pin.model_copy(update={"first_frame": first, "last_frame": last}))
-        return tuple(found)
+                pins.append(pin.model_copy(update={"first_frame": first, "last_frame": last}))
+        return tuple(pins)
 
     @cached_property
     def evened(self) -> Recording:
@@ -415,7 +417,10 @@ def _unscaled(session: Session) -> tuple[tuple[int, int], ...]:
     motion = session.view.camera_motion
     if motion is None or session.camera_path is None:
         return ()
-    return tuple((one.first_frame, one.last_frame) for one in motion.unscaled)
+    return tuple(
+        (camera_finding.first_frame, camera_finding.last_frame)
+        for camera_finding in motion.unscaled
+    )
 
 
 def _mean_rate(times_s: Array) -> float | None:

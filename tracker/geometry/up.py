@@ -110,7 +110,7 @@ class UpEstimate(UnsureUp):
     @property
     def sources(self) -> tuple[UpSource, ...]:
         """What it rests on: those that agree and weigh something beside each other."""
-        whole = sum(float(np.trace(one.precision)) for one in self.used)
+        whole = sum(float(np.trace(up_evidence.precision)) for up_evidence in self.used)
         heavy = [one for one in self.used if np.trace(one.precision) >= LEAST_SHARE * whole]
         return tuple(one.source for one in heavy)
 
@@ -136,7 +136,7 @@ def combined(evidence: Sequence[UpEvidence], prior: UpEvidence | None = None) ->
         for one in evidence
         if not any(one is each for each in used)
     ]
-    surest = tuple(sorted(used, key=lambda one: one.sigma_rad))
+    surest = tuple(sorted(used, key=lambda up_evidence: up_evidence.sigma_rad))
     return UpEstimate(up, precision, surest, tuple(apart))
 
 
@@ -160,22 +160,23 @@ def apart_by(evidence: UpEvidence, up: Array, precision: Array) -> float:
 
 def _agree(evidence: Sequence[UpEvidence]) -> bool:
     return all(
-        apart_by(one, *_mean(rest)) < MOST_APART for one, rest in _each_beside_the_rest(evidence)
+        apart_by(up_evidence, *_mean(rest)) < MOST_APART
+        for up_evidence, rest in _each_beside_the_rest(evidence)
     )
 
 
 def _each_beside_the_rest(
     evidence: Sequence[UpEvidence],
 ) -> Iterator[tuple[UpEvidence, tuple[UpEvidence, ...]]]:
-    for number, one in enumerate(evidence):
+    for number, up_evidence in enumerate(evidence):
         rest = (*evidence[:number], *evidence[number + 1 :])
         if rest:
-            yield one, rest
+            yield up_evidence, rest
 
 
 def _mean(evidence: Sequence[UpEvidence]) -> tuple[Array, Array]:
     """The direction that all are least off from, and its precision."""
-    up = min(evidence, key=lambda one: one.sigma_rad).up
+    up = min(evidence, key=lambda up_evidence: up_evidence.sigma_rad).up
     for _ in range(STEPS):
         across = _across(up)
         pull = sum(each.precision @ (each.up - up) for each in evidence)

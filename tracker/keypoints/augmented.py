@@ -125,8 +125,8 @@ def _with_sides_of(plain: Seen, seen: Seen) -> Seen:
     return min(seen, seen.exchanged(), key=lambda each: _apart(plain, each))
 
 
-def _apart(one: Seen, other: Seen) -> float:
-    return float(np.linalg.norm(one.uv - other.uv, axis=1).sum())
+def _apart(seen: Seen, other: Seen) -> float:
+    return float(np.linalg.norm(seen.uv - other.uv, axis=1).sum())
 
 
 def _median(values: list[Array]) -> Array:

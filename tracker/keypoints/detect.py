@@ -254,18 +254,18 @@ def _is_between(frame: int) -> bool:
     return frame % 2 == 1
 
 
-def _with_means(found: Keypoints) -> Keypoints:
+def _with_means(keypoints: Keypoints) -> Keypoints:
     """Put the mean of both neighbours, where they are known, into frames between."""
-    uv, visibility, p_hips = found.uv.copy(), found.visibility.copy(), found.p_hips
+    uv, visibility, p_hips = keypoints.uv.copy(), keypoints.visibility.copy(), keypoints.p_hips
     assert p_hips is not None
     p_hips = p_hips.copy()
     for row in range(1, len(uv) - 1):
         around = [row - 1, row + 1]
-        is_open = _is_between(found.first_frame + row) and np.isnan(uv[row]).all()
+        is_open = _is_between(keypoints.first_frame + row) and np.isnan(uv[row]).all()
         if is_open and np.isfinite(uv[around]).all():
             for values in (uv, visibility, p_hips):
                 values[row] = values[around].mean(axis=0)
-    return replace(found, uv=uv, visibility=visibility, p_hips=p_hips)
+    return replace(keypoints, uv=uv, visibility=visibility, p_hips=p_hips)
 
 
 def _nobody(frames: Sequence[int]) -> KeypointError:
@@ -289,20 +289,20 @@ class _Start:
 
 
 def _both_ways(
-    work: _DetectionRun, one: _Start, other: _Start
+    work: _DetectionRun, start: _Start, other: _Start
 ) -> tuple[DetectionWindow, DetectionWindow | None, int]:
     """Forward from one start to the frame of the other; backward, where that is needed, as far as
     the frame of the first, ordered by frame; and the step from which backward is taken."""
-    forward = work.chain(one, 1, other.frame)
+    forward = work.chain(start, 1, other.frame)
     if not forward.lost_for.any() and _is_near(forward, other):
         return forward, None, 0
-    work.expected += other.frame - one.frame
-    backward = work.chain(other, -1, one.frame)[::-1]
+    work.expected += other.frame - start.frame
+    backward = work.chain(other, -1, start.frame)[::-1]
     return forward, backward, _change(forward, backward)
 
 
-def _is_near(forward: DetectionWindow, other: _Start) -> bool:
-    return forward.region(-1).distance(other.region) < CLEARLY_BESIDE
+def _is_near(forward: DetectionWindow, start: _Start) -> bool:
+    return forward.region(-1).distance(start.region) < CLEARLY_BESIDE
 
 
 def _change(forward: DetectionWindow, backward: DetectionWindow) -> int:

@@ -93,7 +93,7 @@ class PeopleFinder:
         """The people in a picture (H, W, 3), RGB, the surest first."""
         people: list[FoundPerson] = []
         for box in self._candidates(picture, shares):
-            if any(_shared(box, known.box) > SAME for known in people):
+            if any(_shared(box, found_person.box) > SAME for found_person in people):
                 continue
             person = self._near(picture, box)
             if person is not None and all(_shared(person.box, p.box) <= SAME for p in people):
@@ -104,10 +104,10 @@ class PeopleFinder:
         """Boxes of what may be people, the likeliest first."""
         height, width = picture.shape[:2]
         rated = [
-            (float(seen.confidence.mean()), box)
+            (float(seen_joints.confidence.mean()), box)
             for square in searched_squares(width, height, shares)
-            for seen in self._everybody(picture, square)
-            if (box := _box_of_joints(seen, width, height)) is not None
+            for seen_joints in self._everybody(picture, square)
+            if (box := _box_of_joints(seen_joints, width, height)) is not None
         ]
         likely = [each for each in rated if each[0] >= LEAST_CANDIDATE]
         return [box for _, box in sorted(likely, key=lambda each: -each[0])]
@@ -176,12 +176,12 @@ def people_in_film(seen: Mapping[int, Sequence[FoundPerson]]) -> PeopleInFilm | 
     return PeopleInFilm(best, tuple(sorted(large[best], key=lambda p: p.box[0])), smaller)
 
 
-def _box_of_joints(seen: SeenJoints, width: int, height: int) -> Box | None:
+def _box_of_joints(seen_joints: SeenJoints, width: int, height: int) -> Box | None:
     """Around the joints that are sure; None of too few, or of none in the picture."""
-    sure = seen.confidence >= SURE_JOINT
+    sure = seen_joints.confidence >= SURE_JOINT
     if sure.sum() < LEAST_JOINTS:
         return None
-    return _box_around(seen.uv[sure], width, height)
+    return _box_around(seen_joints.uv[sure], width, height)
 
 
 def _box_around(uv: Array, width: int, height: int) -> Box | None:

@@ -54,10 +54,10 @@ class JointNetwork:
         runtime = open_heads(model.file, verified(model), model.heads, fast=fast)
         network = cls(model, model.heads, runtime)
         try:  # what added it was perhaps another runtime, or its note is of another file
-            seen = network.infer(np.zeros((8, 8, 3), np.uint8), Region(3.5, 3.5, 8.0))
+            seen_joints = network.infer(np.zeros((8, 8, 3), np.uint8), Region(3.5, 3.5, 8.0))
         except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
             raise cannot_run(f"The network {model.name!r}", runtime.name, error) from None
-        if len(seen.uv) != len(network.names):
+        if len(seen_joints.uv) != len(network.names):
             raise note_damaged(model.name)
         return network
 

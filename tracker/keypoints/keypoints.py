@@ -94,15 +94,15 @@ class Keypoints:
         here = self.masks is not None and self.first_frame <= frame <= self.last_frame
         return self.masks[frame - self.first_frame] if self.masks and here else None
 
-    def overlaid(self, other: Keypoints) -> Keypoints:
+    def overlaid(self, keypoints: Keypoints) -> Keypoints:
         """Put others, of the same names, in place of those there are of their frames; unseen in
         frames of neither. By nobody's hand.
         """
-        first = min(self.first_frame, other.first_frame)
-        last = max(self.last_frame, other.last_frame)
-        below, above = self.over(first, last), other.over(first, last)
+        first = min(self.first_frame, keypoints.first_frame)
+        last = max(self.last_frame, keypoints.last_frame)
+        below, above = self.over(first, last), keypoints.over(first, last)
         own = np.zeros(len(below), np.bool_)
-        own[other.first_frame - first : other.last_frame + 1 - first] = True
+        own[keypoints.first_frame - first : keypoints.last_frame + 1 - first] = True
         rows = own[:, None]
         depth = None
         if below.p_hips is not None and above.p_hips is not None:
@@ -110,7 +110,7 @@ class Keypoints:
         uv = np.where(rows[..., None], above.uv, below.uv)
         visibility = np.where(rows, above.visibility, below.visibility)
         frames = range(first, last + 1)
-        masks = [(other if own[n - first] else self).mask(n) for n in frames]
+        masks = [(keypoints if own[n - first] else self).mask(n) for n in frames]
         return Keypoints(
             first, self.names, uv, visibility, depth, masks=tuple(masks) if any(masks) else None
         )

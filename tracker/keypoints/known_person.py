@@ -64,8 +64,8 @@ def seen_on_person(heads: JointHeads, runtime: Runtime) -> JointHeads:
 
 
 def _shown(heads: JointHeads, levels: Levels, runtime: Runtime) -> JointHeads:
-    other = heads.model_copy(update={"levels": levels})
-    return other.model_copy(update={"finds": _found(other, runtime)})
+    joint_heads = heads.model_copy(update={"levels": levels})
+    return joint_heads.model_copy(update={"finds": _found(joint_heads, runtime)})
 
 
 def _found(heads: JointHeads, runtime: Runtime) -> int:

@@ -40,11 +40,11 @@ def levels_of(content: bytes, size: tuple[int, int], source: str) -> Levels | No
     """
     try:
         steps = _steps(json.loads(content))
-        found = None
+        levels = None
         for step in steps:
             kind = step.get("type")
             if kind in ("Normalize", "NormalizeTensor"):
-                found = _levels(step, UNIT if kind == "NormalizeTensor" else 1.0)
+                levels = _levels(step, UNIT if kind == "NormalizeTensor" else 1.0)
             elif kind not in AS_WE_DO:
                 raise KeypointError(
                     f"The pipeline.json in {source} prepares pictures by {str(kind)[:40]!r}, which "
@@ -53,7 +53,7 @@ def levels_of(content: bytes, size: tuple[int, int], source: str) -> Levels | No
             _require_size(step, size, source)
     except (ValueError, TypeError, LookupError, AttributeError, ValidationError):
         raise KeypointError(f"The pipeline.json in {source} is damaged.") from None
-    return found
+    return levels
 
 
 def _steps(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:

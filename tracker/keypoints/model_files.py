@@ -218,11 +218,11 @@ def note_damaged(name: str) -> KeypointError:
 
 def added_models() -> tuple[Model, ...]:
     """The networks that a person added, without those of which what is known is damaged."""
-    found = []
+    models = []
     for name in added_names():
         with suppress(KeypointError):
-            found.append(find_model(name))
-    return tuple(found)
+            models.append(find_model(name))
+    return tuple(models)
 
 
 _added = lru_cache(maxsize=32)(AddedNetwork.model_validate_json)

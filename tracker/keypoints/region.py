@@ -130,11 +130,11 @@ class Region:
             return False
         return -0.5 <= self.x <= width - 0.5 and -0.5 <= self.y <= height - 0.5
 
-    def distance(self, other: Region) -> float:
+    def distance(self, region: Region) -> float:
         """How far two regions differ: 0 where equal, 1 where one lies a side away, or is
         e times as large. Turns are not compared."""
-        apart = np.hypot(self.x - other.x, self.y - other.y) / np.sqrt(self.side * other.side)
-        return float(max(apart, abs(np.log(self.side / other.side))))
+        apart = np.hypot(self.x - region.x, self.y - region.y) / np.sqrt(self.side * region.side)
+        return float(max(apart, abs(np.log(self.side / region.side))))
 
 
 def _turn(angle_rad: float) -> NDArray[np.float64]:

@@ -94,8 +94,10 @@ class Review:
         """The places, answers and untracked segments between two frames."""
         return replace(
             self,
-            places=tuple(one for one in self.places if first <= one.frame <= last),
-            answered=tuple(one for one in self.answered if first <= one.frame <= last),
+            places=tuple(place for place in self.places if first <= place.frame <= last),
+            answered=tuple(
+                reviewed for reviewed in self.answered if first <= reviewed.frame <= last
+            ),
             untracked=tuple((a, b) for a, b in self.untracked if a < last and b > first),
         )
 
@@ -112,20 +114,25 @@ def review_of(doc: Session, results: Results) -> Review:
 @lru_cache(maxsize=4)
 def _review(doc: ById, results: ById) -> Review:
     session: Session = doc.it
-    known = JudgedSegments.of(session, results.it)
-    places = [*_drafts(known, session), *_worst_first(_tracked(known, session, results.it))]
-    right = _right_px(known)
-    px, cm = _mean(known)
+    judged_segments = JudgedSegments.of(session, results.it)
+    places = [
+        *_drafts(judged_segments, session),
+        *_worst_first(_tracked(judged_segments, session, results.it)),
+    ]
+    right = _right_px(judged_segments)
+    px, cm = _mean(judged_segments)
     return Review(
         places=tuple(places),
         answered=tuple(
-            answer_given for answer_given in session.subject.reviewed if known.counts(answer_given)
+            answer_given
+            for answer_given in session.subject.reviewed
+            if judged_segments.counts(answer_given)
         ),
         goal_px=_goal(right),
         right_px=right,
         px=px,
         cm=cm,
-        untracked=tuple(span for span in session.spans if span not in known.tracks),
+        untracked=tuple(span for span in session.spans if span not in judged_segments.tracks),
         body_m=height(session.subject.body),
     )
 
@@ -150,47 +157,69 @@ def _worst_first(places: Sequence[Place]) -> list[Place]:
     return sorted(places, key=rank)
 
 
-def _tracked(known: JudgedSegments, doc: Session, results: Results) -> list[Place]:
+def _tracked(judged_segments: JudgedSegments, doc: Session, results: Results) -> list[Place]:
     """List tracked places: of one limb at one time only the worst."""
-    found = [*_in_segments(known), *_in_space(known, doc, results)]
+    places = [*_in_segments(judged_segments), *_in_space(judged_segments, doc, results)]
     kept: list[Place] = []
-    for place in _worst_first(found):
-        if not any(_is_same(known, place, other) for other in kept):
+    for place in _worst_first(places):
+        if not any(_is_same(judged_segments, place, other) for other in kept):
             kept.append(place)
     return kept
 
 
-def _is_same(known: JudgedSegments, one: Place, other: Place) -> bool:
+def _is_same(judged_segments: JudgedSegments, place: Place, other: Place) -> bool:
     """Whether two of different kinds are about one limb at one time."""
-    if type(one.why) is type(other.why) or known.limb_of(one.part) != known.limb_of(other.part):
+    if type(place.why) is type(other.why) or judged_segments.limb_of(
+        place.part
+    ) != judged_segments.limb_of(other.part):
         return False
-    return one.frames[0] <= other.frames[1] and other.frames[0] <= one.frames[1]
+    return place.frames[0] <= other.frames[1] and other.frames[0] <= place.frames[1]
 
 
-def _in_segments(known: JudgedSegments) -> Iterator[Place]:
-    for track in known.tracks.values():
-        for one in problems_of(known, track):
-            is_small = one.px is not None and one.px <= LEAST_PX
-            if one.answer is None and not is_small:
-                place = _tracked_place(known, track, one, one.frame, one.part, one.frames, one.px)
+def _in_segments(judged_segments: JudgedSegments) -> Iterator[Place]:
+    for track in judged_segments.tracks.values():
+        for problem in problems_of(judged_segments, track):
+            is_small = problem.px is not None and problem.px <= LEAST_PX
+            if problem.answer is None and not is_small:
+                place = _tracked_place(
+                    judged_segments,
+                    track,
+                    problem,
+                    problem.frame,
+                    problem.part,
+                    problem.frames,
+                    problem.px,
+                )
                 yield from [place] if place else []
 
 
-def _in_space(known: JudgedSegments, doc: Session, results: Results) -> Iterator[Place]:
+def _in_space(judged_segments: JudgedSegments, doc: Session, results: Results) -> Iterator[Place]:
     """Feet that leave the floor and what their pins do to legs: as large as it would be seen from
     the side."""
     findings = [found for stretch in results.space(doc) for found in stretch.findings]
-    for found in findings:
-        as_px = _SIZES.get(found.kind)
-        if as_px is None or known.answer(found.part, found.go) is not None:
+    for space_finding in findings:
+        as_px = _SIZES.get(space_finding.kind)
+        if (
+            as_px is None
+            or judged_segments.answer(space_finding.part, space_finding.go) is not None
+        ):
             continue
-        track = next((t for t in known.tracks.values() if t.first <= found.go <= t.last), None)
-        scale = None if track is None else known.px_per_m(track, found.go, found.part)
-        frames = (found.first_frame, found.last_frame)
-        px = None if scale is None else as_px(abs(found.amount), scale)
+        track = next(
+            (t for t in judged_segments.tracks.values() if t.first <= space_finding.go <= t.last),
+            None,
+        )
+        scale = (
+            None
+            if track is None
+            else judged_segments.px_per_m(track, space_finding.go, space_finding.part)
+        )
+        frames = (space_finding.first_frame, space_finding.last_frame)
+        px = None if scale is None else as_px(abs(space_finding.amount), scale)
         if track is None or px is None or px <= LEAST_PX:
             continue
-        place = _tracked_place(known, track, found, found.go, found.part, frames, px)
+        place = _tracked_place(
+            judged_segments, track, space_finding, space_finding.go, space_finding.part, frames, px
+        )
         yield from [place] if place else []
 
 
@@ -206,7 +235,7 @@ _SIZES: Final[Mapping[str, Callable[[float, float], float]]] = {
 
 
 def _tracked_place(
-    known: JudgedSegments,
+    judged_segments: JudgedSegments,
     track: SegmentResult,
     why: Reason,
     frame: int,
@@ -217,12 +246,14 @@ def _tracked_place(
     """A place of the tracked motion; None where the body is behind the camera. What is off in space
     has as many pixels as it has from the side."""
     in_picture = isinstance(why, Problem) and why.cause != "depth"
-    along_m = known.depth_error_m(track, frame, part) if in_picture else 0.0
-    return _place(known, track.trajectory.pose(frame), why, frame, part, frames, px, along_m)
+    along_m = judged_segments.depth_error_m(track, frame, part) if in_picture else 0.0
+    return _place(
+        judged_segments, track.trajectory.pose(frame), why, frame, part, frames, px, along_m
+    )
 
 
 def _place(
-    known: JudgedSegments,
+    judged_segments: JudgedSegments,
     pose: Pose,
     why: Reason,
     frame: int,
@@ -232,25 +263,25 @@ def _place(
     along_m: float = 0.0,
 ) -> Place | None:
     """along_m: by which it is expected to be off along the view."""
-    assert known.skeleton is not None
-    assert known.camera is not None
-    body, index = known.skeleton.body, known.index(part)
-    Ts = pose_transforms(known.skeleton, pose)
+    assert judged_segments.skeleton is not None
+    assert judged_segments.camera is not None
+    body, index = judged_segments.skeleton.body, judged_segments.index(part)
+    Ts = pose_transforms(judged_segments.skeleton, pose)
     ends = [T[:3, :3] @ far_end(body, k) + T[:3, 3] for k, T in enumerate(Ts)]
     end = ends[index]
-    depth = float(known.camera.depth(end))
+    depth = float(judged_segments.camera.depth(end))
     if depth <= 0:
         return None
-    scale = known.px_per_m_at(depth, frame)
-    cm = None if px is None or known.guessed else 100 * math.hypot(px / scale, along_m)
+    scale = judged_segments.px_per_m_at(depth, frame)
+    cm = None if px is None or judged_segments.guessed else 100 * math.hypot(px / scale, along_m)
     joints = np.concatenate([Ts[:, :3, 3], ends])
     return Place(why, frame, part, frames, px, cm, end, scale, joints)
 
 
-def _drafts(known: JudgedSegments, doc: Session) -> Iterator[Place]:
+def _drafts(judged_segments: JudgedSegments, doc: Session) -> Iterator[Place]:
     """Drafts that a person should confirm, in the order of their frames; none where what is tracked
     is shown instead."""
-    tracks = known.tracks.values()
+    tracks = judged_segments.tracks.values()
     drafts = {
         draft.frame: draft
         for draft in doc.subject.drafts
@@ -258,10 +289,10 @@ def _drafts(known: JudgedSegments, doc: Session) -> Iterator[Place]:
     }
     for why in doc.subject.drafted.places if doc.subject.drafted else ():
         draft, part = drafts.get(why.frame), why.parts[0] if why.parts else None
-        if draft is None or known.skeleton is None:
+        if draft is None or judged_segments.skeleton is None:
             continue
-        pose, frames = draft.pose(known.skeleton), (why.frame, why.frame)
-        place = _place(known, pose, why, why.frame, part, frames, None)
+        pose, frames = draft.pose(judged_segments.skeleton), (why.frame, why.frame)
+        place = _place(judged_segments, pose, why, why.frame, part, frames, None)
         if place is not None and not _is_unclear(doc, place):
             yield place
 
@@ -283,30 +314,30 @@ def _is_unclear(doc: Session, place: Place) -> bool:
     )
 
 
-def _right_px(known: JudgedSegments) -> float | None:
+def _right_px(judged_segments: JudgedSegments) -> float | None:
     """Pixels by which a right joint may be off: as is told of such, or as is no doubt yet."""
     found = [
-        max(px, IN_DOUBT * (known.height_px(track) or 0.0))
-        for track in known.tracks.values()
+        max(px, IN_DOUBT * (judged_segments.height_px(track) or 0.0))
+        for track in judged_segments.tracks.values()
         if (px := right_error_px(track)) is not None
     ]
     return float(np.median(found)) if found else None
 
 
-def _mean(known: JudgedSegments) -> tuple[float | None, float | None]:
+def _mean(judged_segments: JudgedSegments) -> tuple[float | None, float | None]:
     """Pixels and centimetres by which joints are expected to be off between keyframes."""
     px, cm = [], []
-    for track in known.tracks.values():
+    for track in judged_segments.tracks.values():
         errors = part_errors_px(track)
         if errors is None or len(errors) < 3:
             continue
         inside, depths = errors[1:-1], depth_errors_m(track)
         px.append(inside[inside > 0])
-        scale = known.px_per_m(track, (track.first + track.last) // 2, None)
+        scale = judged_segments.px_per_m(track, (track.first + track.last) // 2, None)
         if scale is not None:
             along_m = 0.0 if depths is None else depths[1:-1][inside > 0]
             cm.append(100 * np.hypot(px[-1] / scale, along_m))
     if not px:
         return None, None
-    mean_cm = float(np.concatenate(cm).mean()) if cm and not known.guessed else None
+    mean_cm = float(np.concatenate(cm).mean()) if cm and not judged_segments.guessed else None
     return float(np.concatenate(px).mean()), mean_cm

@@ -83,8 +83,10 @@ class JudgedSegments:
     @cached_property
     def keyed_px(self) -> float:
         """What seems to be gained in short intervals: the keyframes' own error."""
-        known = [t for t in self.tracks.values() if t.diagnostics.expected_gain is not None]
-        short = [gain(t) for t in known if t.last - t.first <= KEYED_FRAMES]
+        segment_results = [
+            t for t in self.tracks.values() if t.diagnostics.expected_gain is not None
+        ]
+        short = [gain(t) for t in segment_results if t.last - t.first <= KEYED_FRAMES]
         return float(np.median(short)) if short else 0.0
 
     @cached_property
@@ -182,14 +184,14 @@ class JudgedSegments:
     def _observed(self, track: SegmentResult) -> tuple[Skeleton, Trajectory, Array, Array] | None:
         """The body, its motion, and by how much joints are expected to be off, across the view and
         along it, metres."""
-        found, motion = track.diagnostics, track.trajectory
+        diagnostics, motion = track.diagnostics, track.trajectory
         if self.skeleton is None or self.camera is None or not track.finished:
             return None
-        if found.expected_error is None or found.expected_depth is None:
+        if diagnostics.expected_error is None or diagnostics.expected_depth is None:
             return None
         zoom = 1.0 if self.path is None else self.path.between(track.first, track.last).zoom
-        across_m = in_metres(found.expected_error, self.camera, motion.ps_camera_root, zoom)
-        return self.skeleton, motion, across_m, found.expected_depth
+        across_m = in_metres(diagnostics.expected_error, self.camera, motion.ps_camera_root, zoom)
+        return self.skeleton, motion, across_m, diagnostics.expected_depth
 
     def height_px(self, track: SegmentResult) -> float | None:
         """How tall the body is in the picture in the middle of a segment; None where nobody
@@ -218,21 +220,21 @@ class JudgedSegments:
         span: of the segment that was looked at; neighbours share a keyframe.
         """
         limb = self.limb_of(part)
-        for one in reversed(self.reviewed):
-            is_then = one.first_frame <= frame <= one.last_frame
-            is_then = is_then and (span is None or span[0] <= one.frame <= span[1])
-            if is_then and self.index(one.part) in limb and self.counts(one):
-                return one
+        for reviewed in reversed(self.reviewed):
+            is_then = reviewed.first_frame <= frame <= reviewed.last_frame
+            is_then = is_then and (span is None or span[0] <= reviewed.frame <= span[1])
+            if is_then and self.index(reviewed.part) in limb and self.counts(reviewed):
+                return reviewed
         return None
 
-    def counts(self, one: Reviewed) -> bool:
+    def counts(self, reviewed: Reviewed) -> bool:
         """Whether the motion is still as it was when a person answered."""
-        return one.part in self.parts and self._is_as_seen(one)
+        return reviewed.part in self.parts and self._is_as_seen(reviewed)
 
-    def _is_as_seen(self, one: Reviewed) -> bool:
-        track = next((t for t in self.tracks.values() if t.first <= one.frame <= t.last), None)
-        end = None if track is None else self.far_end_m(track, one.frame, one.part)
-        return end is not None and bool(np.linalg.norm(end - one.seen_m) <= STILL_M)
+    def _is_as_seen(self, reviewed: Reviewed) -> bool:
+        track = next((t for t in self.tracks.values() if t.first <= reviewed.frame <= t.last), None)
+        end = None if track is None else self.far_end_m(track, reviewed.frame, reviewed.part)
+        return end is not None and bool(np.linalg.norm(end - reviewed.seen_m) <= STILL_M)
 
 
 def _keyed(doc: Session, track: SegmentResult) -> SegmentResult:

@@ -139,16 +139,17 @@ class KeypointCorrection(Plain):
 
 
 def require_corrections(
-    given: Sequence[KeypointCorrection], frame_count: int, width: int, height: int
+    keypoint_corrections: Sequence[KeypointCorrection], frame_count: int, width: int, height: int
 ) -> None:
     """ValueError in one sentence where corrections are not of this video, or two of one joint."""
-    for one, other in pairwise(given):
-        if (one.frame, one.joint) >= (other.frame, other.joint):
+    for keypoint_correction, other in pairwise(keypoint_corrections):
+        if (keypoint_correction.frame, keypoint_correction.joint) >= (other.frame, other.joint):
             raise ValueError(
                 f"keypoint_corrections: {other.joint} at frame {other.frame} stands after "
-                f"{one.joint} at frame {one.frame}; sort them by frame and joint, each once"
+                f"{keypoint_correction.joint} at frame {keypoint_correction.frame}; "
+                "sort them by frame and joint, each once"
             )
-    for each in given:
+    for each in keypoint_corrections:
         if each.frame >= frame_count:
             raise ValueError(
                 f"keypoint_corrections: frame {each.frame} is beyond the video, whose frames are "
@@ -194,12 +195,12 @@ NoteList = Annotated[
 
 def require_notes(notes: Sequence[Note], frame_count: int) -> None:
     """ValueError in one sentence unless notes are sorted, one a frame, within the video."""
-    for one, other in pairwise(notes):
-        if one.frame == other.frame:
-            raise ValueError(f"notes: frame {one.frame} has two notes; one is allowed")
-        if one.frame > other.frame:
+    for note, other in pairwise(notes):
+        if note.frame == other.frame:
+            raise ValueError(f"notes: frame {note.frame} has two notes; one is allowed")
+        if note.frame > other.frame:
             raise ValueError(
-                f"notes: frame {other.frame} stands after {one.frame}; sort them by frame"
+                f"notes: frame {other.frame} stands after {note.frame}; sort them by frame"
             )
     if notes and notes[-1].frame >= frame_count:
         raise ValueError(

@@ -245,17 +245,21 @@ class CameraMotion(Plain):
     def with_way(self, first_frame: int, farthest_m: float) -> Self:
         """The motion whose piece that begins at a frame goes so far from there, as somebody knows;
         ValueError in one sentence where there is no such piece, or its camera goes nowhere."""
-        way = next((one for one in self.ways if one.first_frame == first_frame), None)
-        if way is None:
+        camera_way = next((one for one in self.ways if one.first_frame == first_frame), None)
+        if camera_way is None:
             raise ValueError("No way of the camera begins at this frame.")
-        if way.farthest * MOST_METRES < farthest_m:
+        if camera_way.farthest * MOST_METRES < farthest_m:
             raise ValueError(
-                f"The camera stays where it is in frames {way.first_frame}–{way.last_frame}: its "
-                "path there has no length that a scale could be taken from."
+                f"The camera stays where it is in frames {camera_way.first_frame}–"
+                f"{camera_way.last_frame}: its path there has no length that a scale could be "
+                "taken from."
             )
-        metres = float(f"{farthest_m / way.farthest:.7g}")
+        metres = float(f"{farthest_m / camera_way.farthest:.7g}")
         known = CameraPiece(first_frame=first_frame, metres=metres)
-        pieces = (known if one.first_frame == first_frame else one for one in self.pieces)
+        pieces = (
+            known if camera_piece.first_frame == first_frame else camera_piece
+            for camera_piece in self.pieces
+        )
         return self.model_copy(update={"pieces": tuple(pieces)})
 
     @property

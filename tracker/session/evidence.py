@@ -166,13 +166,13 @@ class Evidence(ABC):
 
     # --- identity
 
-    def is_same(self, other: Evidence) -> bool:
+    def is_same(self, evidence: Evidence) -> bool:
         """Whether both are the same, as far as is known."""
-        a, b = self.video.fingerprint, other.video.fingerprint
-        return self._is_as_large(other) and (a == b or "" in (a, b))
+        a, b = self.video.fingerprint, evidence.video.fingerprint
+        return self._is_as_large(evidence) and (a == b or "" in (a, b))
 
-    def _is_as_large(self, other: Evidence) -> bool:
-        a, b = self.video, other.video
+    def _is_as_large(self, evidence: Evidence) -> bool:
+        a, b = self.video, evidence.video
         return (a.frame_count, a.width, a.height) == (b.frame_count, b.width, b.height)
 
     @property
@@ -290,11 +290,11 @@ class SurfaceEvidence(Evidence):
     def fps(self) -> float:
         return self.surface.fps
 
-    def is_same(self, other: Evidence) -> bool:
+    def is_same(self, evidence: Evidence) -> bool:
         """Meshes may have been exported again, as many as they were."""
-        if isinstance(other, SurfaceEvidence):
-            return self._is_as_large(other)
-        return super().is_same(other)
+        if isinstance(evidence, SurfaceEvidence):
+            return self._is_as_large(evidence)
+        return super().is_same(evidence)
 
     @property
     def fingerprints(self) -> Mapping[str, str]:

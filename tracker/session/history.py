@@ -22,11 +22,11 @@ class Step:
     frame: int
     made_s: float | None = None
 
-    def is_same(self, other: Step) -> bool:
+    def is_same(self, step: Step) -> bool:
         """Whether both are one edit, seen from the same side."""
-        return self is other or (
-            self.doc is other.doc
-            and (self.label, self.frame, self.made_s) == (other.label, other.frame, other.made_s)
+        return self is step or (
+            self.doc is step.doc
+            and (self.label, self.frame, self.made_s) == (step.label, step.frame, step.made_s)
         )
 
 

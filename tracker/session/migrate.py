@@ -108,9 +108,9 @@ def _segment(segment: Any, names: Sequence[str]) -> Any:
         return segment
     if not isinstance(first, int) or not isinstance(last, int):
         return segment
-    found = verdict_of(kind, sentence, (first, last), names)
+    verdict = verdict_of(kind, sentence, (first, last), names)
     rest = {name: value for name, value in segment.items() if name != "words"}
-    return {**rest, "verdict": found.model_dump(mode="json")}
+    return {**rest, "verdict": verdict.model_dump(mode="json")}
 
 
 def _part_names(data: Mapping[str, Any]) -> list[str]:

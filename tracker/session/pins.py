@@ -67,15 +67,15 @@ class Pin(Plain):
         """Whether it holds heel or toe of a foot."""
         return bool(self.landmarks and sole_of(body.parts[body.index(self.part)]))
 
-    def overlaps(self, other: Pin) -> bool:
+    def overlaps(self, pin: Pin) -> bool:
         """Whether both hold the same part at one frame."""
-        within = self.first_frame <= other.last_frame and other.first_frame <= self.last_frame
-        return within and self.part == other.part and self._shares(other)
+        within = self.first_frame <= pin.last_frame and pin.first_frame <= self.last_frame
+        return within and self.part == pin.part and self._shares(pin)
 
-    def _shares(self, other: Pin) -> bool:
+    def _shares(self, pin: Pin) -> bool:
         """Heel and toe of one foot may be held over different ranges."""
-        named = bool(self.landmarks and other.landmarks)
-        return not named or bool(set(self.landmarks) & set(other.landmarks))
+        named = bool(self.landmarks and pin.landmarks)
+        return not named or bool(set(self.landmarks) & set(pin.landmarks))
 
 
 PinList = Annotated[

@@ -153,21 +153,21 @@ def _require_part_keyframes(subject: TrackedBody, view: View) -> None:
 
 
 def _require_sorted(keyframes: Sequence[Keyframe]) -> None:
-    for one, other in pairwise(keyframes):
-        before, after = one.frame, other.frame
+    for keyframe, other in pairwise(keyframes):
+        before, after = keyframe.frame, other.frame
         if before == after:
             raise ValueError(f"keyframes: frame {before} has two keyframes; one is allowed")
         if before > after:
             raise ValueError(f"keyframes: frame {after} stands after {before}; sort them by frame")
-        if one.time_s >= other.time_s:
+        if keyframe.time_s >= other.time_s:
             raise ValueError(
                 f"keyframes: time_s of frame {after} is {other.time_s:g}; it must be later than "
-                f"{one.time_s:g}, the time of frame {before}"
+                f"{keyframe.time_s:g}, the time of frame {before}"
             )
 
 
 def _require_parts(left_out: tuple[str, ...], bodies: Sequence[TrackedBody]) -> None:
-    names = [name for one in bodies for name in one.body.names]
+    names = [name for tracked_body in bodies for name in tracked_body.body.names]
     unknown = sorted(set(left_out) - set(names))
     if unknown:
         raise ValueError(
@@ -298,10 +298,10 @@ class Session(Plain):
 
     def about(self, body_id: str) -> Self:
         """The same about one of its bodies alone; KeyError where there is no such body."""
-        found = tuple(body for body in self.bodies if body.id == body_id)
-        if not found:
+        tracked_bodies = tuple(body for body in self.bodies if body.id == body_id)
+        if not tracked_bodies:
             raise KeyError(body_id)
-        return self.model_copy(update={"bodies": found})
+        return self.model_copy(update={"bodies": tracked_bodies})
 
     def with_body(self, subject: TrackedBody) -> Self:
         """The same with another state of one of its bodies, known by its id."""
@@ -379,10 +379,10 @@ class Session(Plain):
         up = None if up_world is None else tuple(round(float(v), 6) + 0.0 for v in up_world)
         return self.changed({"up_world": up, "up_from": (), "up_sigma_rad": None})
 
-    def with_up_found(self, found: UpEstimate) -> Self:
+    def with_up_found(self, up_estimate: UpEstimate) -> Self:
         """Set what is up as it was found, in the frame of the world."""
-        return self.with_up(found.up.tolist()).changed(
-            {"up_from": found.sources, "up_sigma_rad": round(found.sigma_rad, 6)}
+        return self.with_up(up_estimate.up.tolist()).changed(
+            {"up_from": up_estimate.sources, "up_sigma_rad": round(up_estimate.sigma_rad, 6)}
         )
 
     def with_up_chosen(self, chosen: UpEstimate) -> Self:

@@ -205,13 +205,13 @@ def joints_and_landmarks(skeleton: Skeleton) -> BodyPoints:
 
 def with_free_parts(skeleton: Skeleton, names: Collection[str]) -> Skeleton:
     """The skeleton with the parts of these names free to turn about all axes."""
-    some = (
+    parts = (
         part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
         if part.name in names
         else part
         for part in skeleton.body.parts
     )
-    return Skeleton.of(skeleton.body.replaced(some))
+    return Skeleton.of(skeleton.body.replaced(parts))
 
 
 def free_skeleton(body: Body) -> Skeleton:

@@ -59,8 +59,8 @@ class Equations:
         A, b = self.A.reshape(*batch, *self.A.shape[-2:]), self.b.reshape(*batch, -1)
         return Equations(A, b, self.cost)
 
-    def __add__(self, other: Equations) -> Equations:
-        return Equations(self.A + other.A, self.b + other.b, self.cost + other.cost)
+    def __add__(self, equations: Equations) -> Equations:
+        return Equations(self.A + equations.A, self.b + equations.b, self.cost + equations.cost)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,9 +185,9 @@ class DiagonalTerm(ABC):
     def diagonal(self, posed: Posed) -> Diagonal: ...
 
     def equations(self, posed: Posed) -> Equations:
-        found = self.diagonal(posed)
-        A = found.precision[..., None] * np.eye(found.precision.shape[-1])
-        return Equations(A, found.b, found.cost)
+        diagonal = self.diagonal(posed)
+        A = diagonal.precision[..., None] * np.eye(diagonal.precision.shape[-1])
+        return Equations(A, diagonal.b, diagonal.cost)
 
 
 def total_cost(terms: Sequence[Term], posed: Posed) -> float:
@@ -216,9 +216,9 @@ def _with_diagonals(own: Equations, diagonals: Sequence[Diagonal]) -> Equations:
     """Add diagonals to the arrays that are given, in place."""
     on = np.einsum("...dd->...d", own.A)
     b, cost = own.b, own.cost
-    for found in diagonals:
-        on += found.precision
-        b, cost = b + found.b, cost + found.cost
+    for diagonal in diagonals:
+        on += diagonal.precision
+        b, cost = b + diagonal.b, cost + diagonal.cost
     return Equations(own.A, b, cost)
 
 

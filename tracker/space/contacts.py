@@ -73,7 +73,7 @@ def proposed_pins(
     waist = motion.ps_camera_root
     low = _low(places, waist, up_world, frames_per_second, eyes)
     least = max(2, round(LEAST_S * frames_per_second))
-    found: list[Pin] = []
+    pins: list[Pin] = []
     for i, (part, names, _) in enumerate(feet):
         whole = _as_seen(places[:, 2 * i : 2 * i + 2], eyes)
         ankles, toes = (
@@ -84,8 +84,8 @@ def proposed_pins(
         )
         later = _after(toes, ankles, TOES_S * frames_per_second)
         for held, spans in ((names, ankles), (names[1:], later)):
-            found += [_pin(skeleton.body.names[part], held, span, motion) for span in spans]
-    return tuple(sorted(found, key=lambda pin: (pin.first_frame, pin.part)))
+            pins += [_pin(skeleton.body.names[part], held, span, motion) for span in spans]
+    return tuple(sorted(pins, key=lambda pin: (pin.first_frame, pin.part)))
 
 
 def still_ranges(

@@ -147,8 +147,8 @@ def _depths(judged: MotionInSpace, stance: Pin) -> Array:
 def _mirrored(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Limbs that a keyframe may have the wrong way round in depth."""
     path, tracked = judged.path, judged.tracked
-    seen = tracked if path is None else tracked.carried(path.Ts_camera_world)
-    poses = {frame: seen.pose(frame) for frame in judged.keyframes}
+    trajectory = tracked if path is None else tracked.carried(path.Ts_camera_world)
+    poses = {frame: trajectory.pose(frame) for frame in judged.keyframes}
     rate = judged.frames_per_second
     for limb in mirrored_limbs(judged.skeleton, judged.camera, poses, rate):
         yield SpaceFinding(
@@ -276,8 +276,8 @@ def near_end(
     at = min(max(end - motion.first_frame - 1, 0), count - 1)
     start, stop = max(at - NEAR_END, 0), min(at + NEAR_END + 1, count)
     rows, frame = slice(start, stop + 2), motion.first_frame + start
-    some = Trajectory(frame, motion.Rs_parent_part[rows], motion.ps_camera_root[rows])
-    p = some.transforms(skeleton)[:, part, :3, 3]
+    trajectory = Trajectory(frame, motion.Rs_parent_part[rows], motion.ps_camera_root[rows])
+    p = trajectory.transforms(skeleton)[:, part, :3, 3]
     return frame + 1, np.asarray(np.linalg.norm(np.diff(p, 2, axis=0), axis=-1) * rate**2)
 
 

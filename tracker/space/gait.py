@@ -200,7 +200,7 @@ def _stances(
     """Every stance of one foot with its two moments."""
     ahead = ((path.heel - root) * way).sum(axis=1)
     behind = -((path.toe - root) * way).sum(axis=1)
-    found = []
+    stances = []
     for k, (a, b) in enumerate(still):
         before = still[k - 1][1] + 1 if k else 0
         after = still[k + 1][0] - 1 if k + 1 < len(still) else len(times_s) - 1
@@ -211,7 +211,7 @@ def _stances(
         if not len(stood):
             continue
         x, _, z = stood.mean(axis=0)
-        found.append(
+        stances.append(
             Stance(
                 path.part,
                 (a + first_frame, b + first_frame),
@@ -220,7 +220,7 @@ def _stances(
                 (float(x), float(z)),
             )
         )
-    return found
+    return stances
 
 
 def _peak(values: Array, first: int, last: int) -> int | None:
@@ -239,17 +239,17 @@ def _row(times_s: Array, time_s: float) -> int:
 
 
 def _stride(
-    one: Stance, next_: Stance, stances: Sequence[Stance], times_s: Array, first_frame: int
+    stance: Stance, next_: Stance, stances: Sequence[Stance], times_s: Array, first_frame: int
 ) -> Stride | None:
     """The stride between two stances of a foot; None where it is none, or not seen whole."""
-    if one.heel_strike is None or next_.heel_strike is None:
+    if stance.heel_strike is None or next_.heel_strike is None:
         return None
-    start, end = (float(times_s[f - first_frame]) for f in (one.heel_strike, next_.heel_strike))
-    path = np.subtract(next_.place_m, one.place_m)
+    start, end = (float(times_s[f - first_frame]) for f in (stance.heel_strike, next_.heel_strike))
+    path = np.subtract(next_.place_m, stance.place_m)
     length = float(np.linalg.norm(path))
     if length < LEAST_STRIDE_M or end - start > SLOWEST_S:
         return None
-    others = [s for s in stances if s.part != one.part and one.still < s.still < next_.still]
+    others = [s for s in stances if s.part != stance.part and stance.still < s.still < next_.still]
     step = width = share = None
     if len(others) == 1:
         ahead = path / length
@@ -257,8 +257,8 @@ def _stride(
         step = float(from_other @ ahead)
         beside = float(from_other[0] * ahead[1] - from_other[1] * ahead[0])  # other to the right
         width = -beside if others[0].part.startswith("left") else beside
-    if one.toe_off is not None:
-        share = (float(times_s[one.toe_off - first_frame]) - start) / (end - start)
+    if stance.toe_off is not None:
+        share = (float(times_s[stance.toe_off - first_frame]) - start) / (end - start)
     return Stride(
-        one.part, one.heel_strike, next_.heel_strike, end - start, length, step, width, share
+        stance.part, stance.heel_strike, next_.heel_strike, end - start, length, step, width, share
     )

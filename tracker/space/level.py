@@ -64,13 +64,13 @@ JOINT_OF: Final = {
 """Parts that begin at a person's joints."""
 
 
-def up_from_places(p_world: Array, known: UpEvidence = HELD_LEVEL) -> UpEstimate:
+def up_from_places(p_world: Array, up_evidence: UpEvidence = HELD_LEVEL) -> UpEstimate:
     """Up by places (N, 3) that lie on one level floor, metres.
 
-    known: of up. It decides what the places do not show: those along one line show the slope along
-    it alone.
+    up_evidence: of up. It decides what the places do not show: those along one line show the slope
+    along it alone.
     """
-    return up_of_one(evidence_of_places(p_world, known.up), known)
+    return up_of_one(evidence_of_places(p_world, up_evidence.up), up_evidence)
 
 
 def evidence_of_places(p_world: Array, up_world: Array) -> UpEvidence:
@@ -129,7 +129,7 @@ def _evidence_of_balance(
         return None
     carries = np.stack(
         [
-            _standing([one for one in stances if one.part == skeleton.body.names[foot]], motion)
+            _standing([pin for pin in stances if pin.part == skeleton.body.names[foot]], motion)
             for foot in joints["ankle"]
         ],
         axis=1,

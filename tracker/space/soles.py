@@ -114,7 +114,7 @@ def by_contact(
     rows = np.flatnonzero(flat)
     first, last = int(rows[0]), int(rows[-1])
     pieces = ((0, first - 1), (first, last), (last + 1, len(flat) - 1))
-    found = []
+    pins = []
     for a, b in pieces:
         held = pin.landmarks
         if (a, b) != (first, last):
@@ -123,8 +123,8 @@ def by_contact(
         if b - a + 1 >= LEAST_FRAMES or (a, b) == (first, last):
             start = pin.first_frame
             span = {"first_frame": start + a, "last_frame": start + b}
-            found.append(pin.model_copy(update={"landmarks": held, **span}))
-    return tuple(found)
+            pins.append(pin.model_copy(update={"landmarks": held, **span}))
+    return tuple(pins)
 
 
 def _ends(skeleton: Skeleton, motion: Trajectory, pin: Pin) -> Array:

@@ -210,20 +210,20 @@ def solve_space(
         _pinned(problem, pins, frames, floor, shared),
     )
     with threadpool_limits(1, "blas"):  # its matrices are small: threads would wait for each other
-        found = least_squares(poses, MotionState(start, shared), QUICK, cancelled).state
-    return _solution(problem, skeleton, found, pins, frames, floor)
+        motion_state = least_squares(poses, MotionState(start, shared), QUICK, cancelled).state
+    return _solution(problem, skeleton, motion_state, pins, frames, floor)
 
 
 def _solution(
     problem: SpaceProblem,
     skeleton: Skeleton,
-    found: MotionState,
+    motion_state: MotionState,
     pins: list[BodyPoints],
     frames: list[slice],
     floor: Floor,
 ) -> SpaceSolution:
     """Put exact keyframes and limbs in: what they moved by is rounding."""
-    R, t = found.motion.writable()
+    R, t = motion_state.motion.writable()
     for frame in set(problem.keyframes) - set(problem.soft):
         row = frame - problem.motion.first_frame
         R[row], t[row] = problem.motion.Rs_parent_part[row], problem.motion.ps_camera_root[row]
@@ -231,15 +231,15 @@ def _solution(
         row = keyed.frame - problem.motion.first_frame
         R[row] = with_exact_ends(skeleton, keyed, Pose(R[row], t[row])).Rs_parent_part
     motion = Trajectory(problem.motion.first_frame, R, t)
-    places = found.shared[: 3 * len(pins)].reshape(-1, 3)
+    places = motion_state.shared[: 3 * len(pins)].reshape(-1, 3)
     there = problem.in_world(motion).transforms(skeleton)
     off = [
         np.linalg.norm(p.at(there[rows])[:, 0] - place, axis=-1)
         for p, rows, place in zip(pins, frames, places, strict=True)
     ]
     on_floor = any(pin.floor for pin in problem.pins)
-    height = floor.height(found.shared) if on_floor else None
-    return SpaceSolution(motion, places, tuple(off), height, floor.up(found.shared))
+    height = floor.height(motion_state.shared) if on_floor else None
+    return SpaceSolution(motion, places, tuple(off), height, floor.up(motion_state.shared))
 
 
 def _free(problem: SpaceProblem) -> Skeleton:

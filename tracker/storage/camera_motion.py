@@ -122,7 +122,10 @@ def find_camera(
     camera, found = given, film.turned(given, kind)
     if session.view.lens_is_guess:
         camera, found = _with_its_lens(
-            camera, found, lambda other: film.turned(other, kind), lambda one: one.kind == "turns"
+            camera,
+            found,
+            lambda other: film.turned(other, kind),
+            lambda camera_motion: camera_motion.kind == "turns",
         )
     focal = None if found.focal is None else (found.focal.scale, found.focal.sigma)
     findings = tuple(map(_finding, found.findings))
@@ -132,9 +135,15 @@ def find_camera(
     if found.kind == "moves":
         moved = film.moved(camera)
         if session.view.lens_is_guess:
-            camera, moved = _with_its_lens(camera, moved, film.moved, lambda one: one.moves)
+            camera, moved = _with_its_lens(
+                camera, moved, film.moved, lambda moved_path: moved_path.moves
+            )
         if moved.moves:
-            rolling = (one for one in findings if one.kind == "rolling_shutter")
+            rolling = (
+                camera_finding
+                for camera_finding in findings
+                if camera_finding.kind == "rolling_shutter"
+            )
             findings = (*map(_finding, moved.findings), *rolling)
             pieces = tuple(CameraPiece(first_frame=each, metres=None) for each in moved.pieces)
             motion = CameraMotion.of("moves", moved.path, moved.error_px, findings, pieces=pieces)
@@ -210,15 +219,15 @@ def _with_its_lens(
 ) -> tuple[Camera, Found]:
     """The camera and its motion, with the focal length that the motion itself tells, where that is
     another one for sure and the background agrees better with it."""
-    found, best = first, (camera, first)
+    moved_path, best = first, (camera, first)
     for _ in range(MOST_LENSES - 1):
-        focal = found.focal
+        focal = moved_path.focal
         if focal is None or abs(np.log(focal.scale)) < max(SURE * focal.sigma, LEAST_OFF):
             break
         camera = camera.zoomed(focal.scale)
-        found = again(camera)
-        if is_sound(found) and _error(found) < LEAST_GAIN * _error(first):
-            best = camera, found
+        moved_path = again(camera)
+        if is_sound(moved_path) and _error(moved_path) < LEAST_GAIN * _error(first):
+            best = camera, moved_path
     return best
 
 
@@ -228,12 +237,12 @@ def _error(found: Found) -> float:
     return float(np.median(known)) if known.size else np.inf
 
 
-def _finding(one: Finding) -> CameraFinding:
+def _finding(finding: Finding) -> CameraFinding:
     return CameraFinding(
-        kind=one.kind,
-        first_frame=one.first_frame,
-        last_frame=one.last_frame,
-        amount=float(one.amount),
+        kind=finding.kind,
+        first_frame=finding.first_frame,
+        last_frame=finding.last_frame,
+        amount=float(finding.amount),
     )
 
 
@@ -251,12 +260,12 @@ def with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Sessi
         within = [_within(run, span) for run in runs if run.first_frame < span[1]]
         if piece.metres is not None:
             continue
-        found = _scale(session, path, [run for run in within if len(run) > 1])
-        if found is not None:
+        path_scale = _scale(session, path, [run for run in within if len(run) > 1])
+        if path_scale is not None:
             pieces[number] = piece.model_copy(
                 update={
-                    "metres": float(f"{found.metres:.7g}"),
-                    "sigma": float(f"{found.sd / found.metres:.3g}"),
+                    "metres": float(f"{path_scale.metres:.7g}"),
+                    "sigma": float(f"{path_scale.sd / path_scale.metres:.3g}"),
                 }
             )
     if tuple(pieces) == motion.pieces:
@@ -296,8 +305,8 @@ def _kept_on_path(
     kept: list[CameraKeyframe] = []
     for number, key in enumerate(keys):
         was, becomes = (
-            path_through(one, tuple(before)).Ts_world_camera[key.frame, :3, 3]
-            for one, before in ((motion, keys[:number]), (other, kept))
+            path_through(camera_motion, tuple(before)).Ts_world_camera[key.frame, :3, 3]
+            for camera_motion, before in ((motion, keys[:number]), (other, kept))
         )
         T = key.correction.T_camera_world.copy()
         T[:3, 3] -= T[:3, :3] @ (becomes - was)
@@ -313,11 +322,11 @@ def _within(run: Trajectory, span: Span) -> Trajectory:
 
 
 def scaled(
-    found: FoundCamera, session: Session, fitting: Mapping[Span, SegmentResult]
+    found_camera: FoundCamera, session: Session, fitting: Mapping[Span, SegmentResult]
 ) -> FoundCamera:
     """What was found of a session's camera, with its scale as `with_scale`."""
-    motion = with_scale(found.applied(session), fitting).view.camera_motion
-    return replace(found, motion=motion)
+    motion = with_scale(found_camera.applied(session), fitting).view.camera_motion
+    return replace(found_camera, motion=motion)
 
 
 def _scale(session: Session, path: CameraPath, runs: Sequence[Trajectory]) -> PathScale | None:
@@ -325,7 +334,11 @@ def _scale(session: Session, path: CameraPath, runs: Sequence[Trajectory]) -> Pa
     where none are pinned."""
     skeleton, body = Skeleton.of(session.subject.body), session.subject.body
     smooth = [scale_from_smoothness(path, run.first_frame, run.ps_camera_root) for run in runs]
-    usual = min((one for one in smooth if one is not None), key=lambda one: one.sd, default=None)
+    usual = min(
+        (one for one in smooth if one is not None),
+        key=lambda path_scale: path_scale.sd,
+        default=None,
+    )
     standing = []
     for run in runs:
         Ts = run.transforms(skeleton)
@@ -346,8 +359,8 @@ def _still(
     Ts = path.between(*_span(run)).Ts_world_camera.copy()
     Ts[:, :3, 3] *= metres
     rate = frames_per_second(session, run)
-    found = proposed_pins(skeleton, run.carried(Ts), rate, None, Ts[:, :3, 3])
-    return [pin for pin in found if len(pin.landmarks) > 1]
+    pins = proposed_pins(skeleton, run.carried(Ts), rate, None, Ts[:, :3, 3])
+    return [pin for pin in pins if len(pin.landmarks) > 1]
 
 
 def _span(run: Trajectory) -> Span:
@@ -357,25 +370,29 @@ def _span(run: Trajectory) -> Span:
 def _runs(fitting: Mapping[Span, SegmentResult]) -> Iterator[Trajectory]:
     """Neighbouring segments that are tracked, joined, before any solve in space."""
     run: list[Trajectory] = []
-    for found in (fitting[span].as_tracked for span in sorted(fitting)):
-        if found.missing or not found.finished:
+    for segment_result in (fitting[span].as_tracked for span in sorted(fitting)):
+        if segment_result.missing or not segment_result.finished:
             continue
-        if run and run[-1].last_frame != found.first:
+        if run and run[-1].last_frame != segment_result.first:
             yield joined(run)
             run = []
-        run.append(found.trajectory)
+        run.append(segment_result.trajectory)
     if run:
         yield joined(run)
 
 
-def keep_points(found: FoundCamera, folder: Path | None = None) -> None:
+def keep_points(found_camera: FoundCamera, folder: Path | None = None) -> None:
     """Keep the points that a motion was found by in this user's cache folder, if that can be
     done: they are only looked at, and can be found again."""
-    if found.motion is None or found.points is None:
+    if found_camera.motion is None or found_camera.points is None:
         return
-    place = _points_place(found.motion, folder)
+    place = _points_place(found_camera.motion, folder)
     content = archive_bytes(
-        {"uv": found.points.uv, "good": found.points.good, "starts": found.points.starts}
+        {
+            "uv": found_camera.points.uv,
+            "good": found_camera.points.good,
+            "starts": found_camera.points.starts,
+        }
     )
     with suppress(CameraError):
         make_folder(place.parent, error=CameraError)
@@ -425,11 +442,11 @@ def background_picture(session: Session, video: Video) -> NDArray[np.uint8]:
 def known_poses(session: Session, fitting: Mapping[Span, SegmentResult]) -> dict[int, Pose]:
     """The poses of a session's body by frame: tracked, or as a person set or drafted them."""
     skeleton = Skeleton.of(session.subject.body)
-    found = {k.frame: k.pose(skeleton) for k in session.subject.posed}
+    poses = {k.frame: k.pose(skeleton) for k in session.subject.posed}
     for segment in fitting.values():
         frames = np.arange(segment.first, segment.last + 1)[segment.tracked]
-        found |= {int(frame): segment.trajectory.pose(int(frame)) for frame in frames}
-    return found
+        poses |= {int(frame): segment.trajectory.pose(int(frame)) for frame in frames}
+    return poses
 
 
 def _greys(video: Video) -> Iterator[NDArray[np.uint8] | None]:

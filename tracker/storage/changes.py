@@ -99,12 +99,16 @@ def _plain(name: str, value: Any) -> Any:
 
 
 def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
-    known = {keyframe.frame: keyframe for keyframe in was}
+    keyframes = {keyframe.frame: keyframe for keyframe in was}
     frames = {keyframe.frame for keyframe in now}
-    fresh = [one for one in now if known.get(one.frame) is not one and known.get(one.frame) != one]
+    fresh = [
+        one
+        for one in now
+        if keyframes.get(one.frame) is not one and keyframes.get(one.frame) != one
+    ]
     return {
         "set": [keyframe.model_dump(mode="json") for keyframe in fresh],
-        "drop": sorted(known.keys() - frames),
+        "drop": sorted(keyframes.keys() - frames),
     }
 
 

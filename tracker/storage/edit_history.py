@@ -108,8 +108,8 @@ def of_film(moment: Moment, doc: Session) -> Moment:
     other bodies, and with the unknown fields, which are no edit."""
     own, now = {"schema_version": doc.schema_version, **(doc.model_extra or {})}, doc.evidence
     return moment.each(
-        lambda one: with_results_of(
-            one.changed(one.evidence.refreshed_fields(now)).model_copy(update=own), doc
+        lambda session: with_results_of(
+            session.changed(session.evidence.refreshed_fields(now)).model_copy(update=own), doc
         )
     )
 
@@ -218,11 +218,11 @@ def _fits_together(doc: Session) -> bool:
     return True
 
 
-def is_same_film(one: Session, other: Session) -> bool:
+def is_same_film(session: Session, other: Session) -> bool:
     """Whether both are about the same video, as far as is known. Meshes may be exported
     again.
     """
-    return one.evidence.is_same(other.evidence)
+    return session.evidence.is_same(other.evidence)
 
 
 def _replay(records: Sequence[Record]) -> tuple[Moment | None, list[set[str]], int]:
@@ -311,8 +311,8 @@ def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int
 def _common(before: Sequence[Step], after: Sequence[Step]) -> int:
     """How many steps both begin with."""
     count = 0
-    for one, other in zip(before, after, strict=False):
-        if not one.is_same(other):
+    for step, other in zip(before, after, strict=False):
+        if not step.is_same(other):
             break
         count += 1
     return count

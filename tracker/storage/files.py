@@ -100,9 +100,9 @@ def load_session(path: Path) -> Session:
 def open_session(path: Path) -> Opened:
     """The same with its history."""
     session, journal, problem = _read_both(path)
-    found = recover(session, journal.records)
-    newest = with_results_of(found.moment.doc, session)
-    return Opened(newest if found.ahead else session, found, journal, problem)
+    recovered = recover(session, journal.records)
+    newest = with_results_of(recovered.moment.doc, session)
+    return Opened(newest if recovered.ahead else session, recovered, journal, problem)
 
 
 def _read_both(path: Path) -> tuple[Session, Read, str]:
@@ -302,13 +302,14 @@ def _same(session: Session, path: Path, video: Video) -> Video:
 
 
 def _require_same(session: Session, path: Path, video: Video) -> None:
-    wanted, found = session.view.video, video.info
-    if (found.width, found.height) != (wanted.width, wanted.height):
+    wanted, video_info = session.view.video, video.info
+    if (video_info.width, video_info.height) != (wanted.width, wanted.height):
         difference = (
-            f"it has {found.width}×{found.height} pixels instead of {wanted.width}×{wanted.height}"
+            f"it has {video_info.width}×{video_info.height} pixels instead of "
+            f"{wanted.width}×{wanted.height}"
         )
-    elif found.frame_count != wanted.frame_count:
-        difference = f"it has {found.frame_count} frames instead of {wanted.frame_count}"
+    elif video_info.frame_count != wanted.frame_count:
+        difference = f"it has {video_info.frame_count} frames instead of {wanted.frame_count}"
     elif not _fingerprint_matches(session, video):
         difference = "fingerprint differs"
     else:

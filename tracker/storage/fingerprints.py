@@ -150,8 +150,8 @@ def steady_camera(session: Session) -> SteadyCamera | None:
 
 @lru_cache(maxsize=4)
 def _steady(camera: Camera, motion: CameraMotion, path: CameraPath) -> SteadyCamera:
-    found = CameraPath(motion.path.Ts_camera_world, path.zoom)
-    return SteadyCamera.along(camera, found)
+    camera_path = CameraPath(motion.path.Ts_camera_world, path.zoom)
+    return SteadyCamera.along(camera, camera_path)
 
 
 def background_turns(session: Session) -> Array | None:
@@ -262,8 +262,8 @@ def lifts_depth(session: Session) -> bool:
 
 def _frames_looked_beyond(session: Session) -> int:
     """How many frames before and after a segment, at most, its depth is lifted from."""
-    one, other = session.subject.keyframes[0], session.subject.keyframes[-1]
-    rate = (other.frame - one.frame) / max(other.time_s - one.time_s, 1e-6)
+    keyframe, other = session.subject.keyframes[0], session.subject.keyframes[-1]
+    rate = (other.frame - keyframe.frame) / max(other.time_s - keyframe.time_s, 1e-6)
     return math.ceil(LIFTED_FROM_S * float(rate))
 
 
@@ -388,9 +388,13 @@ def _keypoints(session: Session) -> list[Any]:
     """
     if not _uses_keypoints(session):
         return []
-    settings, given = session.settings, session.view.given_keypoints
+    settings, keypoint_file = session.settings, session.view.given_keypoints
     lifted = [LIFTER.sha256, session.view.video.recorded_fps] if lifts_depth(session) else []
-    return ["keypoints", _digest(settings.network_used) if given is None else given.file, *lifted]
+    return [
+        "keypoints",
+        _digest(settings.network_used) if keypoint_file is None else keypoint_file.file,
+        *lifted,
+    ]
 
 
 def _digest(network: str) -> str:

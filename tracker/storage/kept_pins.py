@@ -90,7 +90,7 @@ def without_harm(
 ) -> Kept:
     """The session on its floor without those of the proposed pins that would harm its motion, the
     others kept whatever they do; SessionError where no foot could stay on the floor."""
-    tracked = {span: found.as_tracked for span, found in fitting.items()}
+    tracked = {span: segment_result.as_tracked for span, segment_result in fitting.items()}
     released: list[Harm] = []
     starts: dict[int, Trajectory] = {}
     for left in reversed(range(ROUNDS)):
@@ -131,8 +131,8 @@ def _floored(
 ) -> tuple[Session, tuple[Solved, ...]]:
     """The session with the floor with which its longest stretch is solved for, its height and its
     tilt, which gives way a little; and all stretches on that."""
-    some = [run for run in runs if any(pin.floor for pin in run.pins)]
-    longest = max(some, key=lambda run: run.span[1] - run.span[0])
+    segment_runs = [run for run in runs if any(pin.floor for pin in run.pins)]
+    longest = max(segment_runs, key=lambda run: run.span[1] - run.span[0])
     found: dict[Span, Solved] = {}
     for run in (longest, *(run for run in runs if run is not longest)):
         problem = asked(session, run).problem

@@ -93,22 +93,22 @@ def save_own_motion(session: Session, session_path: Path, motion: Trajectory) ->
     """
     before = session.subject.first_motion
     if before is not None and before.own:
-        known = load_first_motion(session, session_path.parent)
-        if known is not None:
-            motion = _overlaid(known, motion)
+        trajectory = load_first_motion(session, session_path.parent)
+        if trajectory is not None:
+            motion = _overlaid(trajectory, motion)
     ends = np.flatnonzero(np.diff(np.r_[0, np.isfinite(motion.ps_camera_root[:, 0]), 0]))
     runs = [_own_run(motion, int(a), int(b)) for a, b in ends.reshape(-1, 2)]
     name = _write(session.subject.body, session_path, motion)
     return FirstMotion(file=name, source=REDUCED, own=tuple(runs))
 
 
-def _overlaid(known: Trajectory, motion: Trajectory) -> Trajectory:
+def _overlaid(trajectory: Trajectory, motion: Trajectory) -> Trajectory:
     """A motion over another one: together as long as both need, NaN where neither has a pose."""
-    first = min(known.first_frame, motion.first_frame)
-    frames = max(known.last_frame, motion.last_frame) - first + 1
+    first = min(trajectory.first_frame, motion.first_frame)
+    frames = max(trajectory.last_frame, motion.last_frame) - first + 1
     Rs = np.full((frames, *motion.Rs_parent_part.shape[1:]), np.nan)
     ps = np.full((frames, 3), np.nan)
-    for one in (known, motion):
+    for one in (trajectory, motion):
         there = np.isfinite(one.ps_camera_root).all(axis=1)
         rows = one.first_frame - first + np.flatnonzero(there)
         Rs[rows], ps[rows] = one.Rs_parent_part[there], one.ps_camera_root[there]
@@ -339,13 +339,13 @@ def keypoints_of_session(session: Session, folder: Path) -> Keypoints | None:
     """
     if session.view.keypoints is None:
         return None
-    found = load_keypoints(folder / session.view.keypoints.file)
-    if found.last_frame >= session.view.video.frame_count:
+    keypoints = load_keypoints(folder / session.view.keypoints.file)
+    if keypoints.last_frame >= session.view.video.frame_count:
         raise KeypointError(
-            f"{session.view.keypoints.file} holds keypoints up to frame {found.last_frame}, but "
-            f"the video ends at {session.view.video.frame_count - 1}: find them again."
+            f"{session.view.keypoints.file} holds keypoints up to frame {keypoints.last_frame}, "
+            f"but the video ends at {session.view.video.frame_count - 1}: find them again."
         )
-    return found
+    return keypoints
 
 
 def load_keypoints(path: Path) -> Keypoints:

@@ -80,10 +80,10 @@ def solved(
     given = asked(session, stretch)
     problem, moments, skeleton = given.problem, given.moments, given.problem.skeleton
     exact = sorted(set(problem.keyframes) - set(problem.soft))
-    found = solve_space(problem, cancelled)
-    pins = tuple(_pin_results(stretch.pins, given.held, found, exact))
+    space_solution = solve_space(problem, cancelled)
+    pins = tuple(_pin_results(stretch.pins, given.held, space_solution, exact))
     up = None if session.world.up_world is None else up_of(session)
-    in_world = problem.in_world(found.motion)
+    in_world = problem.in_world(space_solution.motion)
     rate = problem.frames_per_second
     still = stances(session, in_world, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
@@ -100,31 +100,36 @@ def solved(
         keyframes=exact,
         soft=problem.soft,
         up_world=up,
-        floor_m=found.floor_m if session.world.floor_m is None else session.world.floor_m,
+        floor_m=space_solution.floor_m if session.world.floor_m is None else session.world.floor_m,
         path=problem.path,
     )
-    motion = found.motion
+    motion = space_solution.motion
     if moments is not None:
         motion = _changed_in_world(problem.path, motion, moments.shown)
-    findings = (*space_findings(judged), *harm_findings(compared(problem, found), stretch.pins))
-    return SpaceResult(stretch.key, motion, pins, free, findings, found.floor_m)
+    findings = (
+        *space_findings(judged),
+        *harm_findings(compared(problem, space_solution), stretch.pins),
+    )
+    return SpaceResult(stretch.key, motion, pins, free, findings, space_solution.floor_m)
 
 
-def compared(problem: SpaceProblem, found: SpaceSolution) -> Compared:
+def compared(problem: SpaceProblem, space_solution: SpaceSolution) -> Compared:
     """What was solved for beside what was tracked."""
     heights = heights_px(problem, problem.skeleton)
-    return Compared(problem.skeleton, problem.camera, problem.motion, found.motion, heights)
+    return Compared(
+        problem.skeleton, problem.camera, problem.motion, space_solution.motion, heights
+    )
 
 
 def stances(session: Session, motion: Trajectory, up_world: Array | None) -> tuple[Pin, ...]:
     """Pins to propose for feet that stand still in a motion in the world. None where the way of its
     camera has no scale: there what stands still cannot be told from what moves."""
     skeleton, rate = Skeleton.of(session.subject.body), frames_per_second(session, motion)
-    found = proposed_pins(skeleton, motion, rate, up_world, session.eyes(motion))
+    pins = proposed_pins(skeleton, motion, rate, up_world, session.eyes(motion))
     spans = unscaled_spans(session)
     return tuple(
         pin
-        for pin in found
+        for pin in pins
         if not any(pin.first_frame <= b and pin.last_frame >= a for a, b in spans)
     )
 
@@ -132,8 +137,11 @@ def stances(session: Session, motion: Trajectory, up_world: Array | None) -> tup
 def unscaled_spans(session: Session) -> list[Span]:
     """Over which frames nothing tells how far the camera went."""
     motion = session.view.camera_motion
-    found = () if motion is None else motion.unscaled
-    return [(one.first_frame, one.last_frame) for one in found]
+    camera_findings = () if motion is None else motion.unscaled
+    return [
+        (camera_finding.first_frame, camera_finding.last_frame)
+        for camera_finding in camera_findings
+    ]
 
 
 def _changed_in_world(
@@ -158,8 +166,8 @@ def frames_per_second(session: Session, motion: Trajectory) -> float:
 
 
 def _frames_per_second(keyframes: Sequence[Keyframe]) -> float:
-    one, other = keyframes[0], keyframes[-1]
-    return (other.frame - one.frame) / (other.time_s - one.time_s)
+    keyframe, other = keyframes[0], keyframes[-1]
+    return (other.frame - keyframe.frame) / (other.time_s - keyframe.time_s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,34 +185,34 @@ def _held(session: Session, pins: Sequence[Pin]) -> list[_Held]:
     standing on its toe alone.
     """
     body, upright = session.subject.body, session.world.up_world is not None
-    found: list[_Held] = []
+    helds: list[_Held] = []
     for pin in sorted(pins, key=lambda pin: pin.first_frame):
         part = body.index(pin.part)
         for place in pin.points(body):
             above = pin.above_floor_m(body, place) if pin.floor and upright else None
             point = PinnedPoint(part, place, *pin.span, above)
-            before = next((held for held in found if _goes_on(held, pin, point)), None)
+            before = next((held for held in helds if _goes_on(held, pin, point)), None)
             if before is None:
-                found.append(_Held((pin,), point))
+                helds.append(_Held((pin,), point))
                 continue
             joined = replace(before.point, last_frame=pin.last_frame)
-            found[found.index(before)] = _Held((*before.pins, pin), joined)
-    return found
+            helds[helds.index(before)] = _Held((*before.pins, pin), joined)
+    return helds
 
 
 def _goes_on(before: _Held, pin: Pin, point: PinnedPoint) -> bool:
     """Whether a pin of other points of the same part holds this one right after another."""
-    known = before.point
+    pinned_point = before.point
     return (
-        (known.part, known.p_part, known.above_floor_m)
+        (pinned_point.part, pinned_point.p_part, pinned_point.above_floor_m)
         == (point.part, point.p_part, point.above_floor_m)
-        and known.last_frame + 1 == point.first_frame
+        and pinned_point.last_frame + 1 == point.first_frame
         and before.pins[-1].landmarks != pin.landmarks
     )
 
 
 def _pin_results(
-    pins: Sequence[Pin], held: Sequence[_Held], found: SpaceSolution, exact: Sequence[int]
+    pins: Sequence[Pin], held: Sequence[_Held], space_solution: SpaceSolution, exact: Sequence[int]
 ) -> Iterator[PinResult]:
     """Report of every pin the point that strays most. exact: frames of keyframes that are met
     exactly.
@@ -213,7 +221,7 @@ def _pin_results(
         worst = max(
             (
                 distance[pin.first_frame - each.point.first_frame :][: _count(pin)]
-                for each, distance in zip(held, found.off_m, strict=True)
+                for each, distance in zip(held, space_solution.off_m, strict=True)
                 if any(owner is pin for owner in each.pins)
             ),
             key=np.max,

@@ -66,13 +66,13 @@ class Standing:
 def stand(
     session: Session,
     fitting: Mapping[Span, SegmentResult],
-    seen: UpEvidence | None = None,
+    up_evidence: UpEvidence | None = None,
     cancelled: Callable[[], bool] | None = None,
     motion: Tracks | None = None,
 ) -> Standing:
     """Stand the session on its floor; SessionError in one sentence where nobody stands.
 
-    fitting: what was tracked, by segment.  seen: what upright lines of the film show
+    fitting: what was tracked, by segment.  up_evidence: what upright lines of the film show
     of up, in the world.  motion: as it was saved, for why it is out of date.
     """
     _require_standable(session)
@@ -83,7 +83,7 @@ def stand(
     if not motions:
         raise SessionError(_why_nothing_stands(session, fitting, motion))
     _require_scale(session, motions)
-    session, up = _levelled(session, motions, seen)
+    session, up = _levelled(session, motions, up_evidence)
     known = len(session.subject.pins)
     pins, raised = _on_floor(session, _contacts(session, motions), motions)
     softened = tuple(
@@ -113,7 +113,7 @@ def _why_nothing_stands(
     session: Session, fitting: Mapping[Span, SegmentResult], motion: Tracks | None
 ) -> str:
     """Why no segment can be stood on the floor, and what to do."""
-    finished = [found for found in fitting.values() if found.finished]
+    finished = [segment_result for segment_result in fitting.values() if segment_result.finished]
     if any(found.quality == "preview" for found in finished):
         return "The motion was tracked as a preview: track it in full first."
     if finished:
@@ -154,35 +154,42 @@ def _require_standable(session: Session) -> None:
 
 
 def _levelled(
-    session: Session, motions: Mapping[Span, Trajectory], seen: UpEvidence | None
+    session: Session, motions: Mapping[Span, Trajectory], up_evidence: UpEvidence | None
 ) -> tuple[Session, UpEstimate]:
     """The session with what is up, and what that rests on."""
     skeleton = Skeleton.of(session.subject.body)
     longest = max(motions.values(), key=len)
-    found = estimated_up(session, motions, seen)
-    if found is None and session.has_unknown_motion:
+    up_estimate = estimated_up(session, motions, up_evidence)
+    if up_estimate is None and session.has_unknown_motion:
         raise SessionError(
             "The camera moves, and how is not known, so nothing shows what is up: find its motion "
             "or set the horizon first."
         )
-    if found is None:
+    if up_estimate is None:
         raise SessionError(
             "Nobody stands upright here, and what is up is not known: set the horizon first."
         )
     if session.has_up_of_hand:
-        if leaning_rad(skeleton, longest, found.up) > UPSIDE_DOWN_RAD:
+        if leaning_rad(skeleton, longest, up_estimate.up) > UPSIDE_DOWN_RAD:
             raise SessionError(
                 "By what is set as up the body lies, or stands on its head: set the horizon again."
             )
-        return session, found
-    feet = next((one.evidence for one in found.apart if one.evidence.source == "feet"), None)
-    if feet is not None and "lines" not in found.sources:
-        slope = np.degrees(feet.off_where_surest(found.up)[0])
+        return session, up_estimate
+    feet = next(
+        (
+            disagreement.evidence
+            for disagreement in up_estimate.apart
+            if disagreement.evidence.source == "feet"
+        ),
+        None,
+    )
+    if feet is not None and "lines" not in up_estimate.sources:
+        slope = np.degrees(feet.off_where_surest(up_estimate.up)[0])
         raise SessionError(
             f"Feet stand on a slope of {slope:.0f}° by how the body is upright, as on stairs: set "
             "the horizon first."
         )
-    return session.with_up_found(found), found
+    return session.with_up_found(up_estimate), up_estimate
 
 
 def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin, ...]:

@@ -56,9 +56,11 @@ class Usable(NamedTuple):
 def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[SegmentRun]:
     """What there is to solve."""
     rows = [
-        Usable(*span, found.key, found.quality)
-        for span, found in fitting.items()
-        if found.finished and not found.missing and found.quality != "preview"
+        Usable(*span, segment_result.key, segment_result.quality)
+        for span, segment_result in fitting.items()
+        if segment_result.finished
+        and not segment_result.missing
+        and segment_result.quality != "preview"
     ]
     return [
         SegmentRun(key, tuple(fitting[one.first, one.last] for one in run), pins)

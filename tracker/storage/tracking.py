@@ -128,38 +128,40 @@ def steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> Keyp
 
 
 def keypoint_source(
-    session: Session, video: Video, given: Keypoints | None
+    session: Session, video: Video, keypoints: Keypoints | None
 ) -> KeypointSource | None:
     """Where keypoints come from, with a person's corrections; None if they do not count."""
-    source = _found_keypoints(session, video, given)
+    source = _found_keypoints(session, video, keypoints)
     if source is not None and session.view.keypoint_corrections:
         source = CorrectedKeypoints(source, session.view.keypoint_corrections)
     if source is None or not lifts_depth(session):
         return source
-    return LiftedKeypoints(source, depth_lifter(session, video.info.times_s), given)
+    return LiftedKeypoints(source, depth_lifter(session, video.info.times_s), keypoints)
 
 
 def _found_keypoints(
-    session: Session, video: Video, given: Keypoints | None
+    session: Session, video: Video, keypoints: Keypoints | None
 ) -> KeypointSource | None:
     if "keypoints" not in session.settings.cues_used or not is_persons(session.subject.body):
         return None
     if session.view.given_keypoints is not None:
-        if given is None:
+        if keypoints is None:
             raise _not_read(session.view.given_keypoints)
-        return GivenKeypoints(given)
+        return GivenKeypoints(keypoints)
     found = detected_keypoints(session, video, masks=needs_masks(session))
-    return _or_drafted(found, session, given)
+    return _or_drafted(found, session, keypoints)
 
 
-def _or_drafted(found: KeypointSource, session: Session, given: Keypoints | None) -> KeypointSource:
+def _or_drafted(
+    found: KeypointSource, session: Session, keypoints: Keypoints | None
+) -> KeypointSource:
     """A network's keypoints, or a draft's where the body lies on them."""
     drafted = session.view.keypoints
     if drafted is None or not has_drafted_keypoints(session):
         return found
-    if given is None:
+    if keypoints is None:
         raise _not_read(drafted)
-    return DraftedKeypoints(given, found, session.view.camera, session.camera_path)
+    return DraftedKeypoints(keypoints, found, session.view.camera, session.camera_path)
 
 
 def _not_read(keypoints: KeypointFile) -> SessionError:
@@ -169,11 +171,11 @@ def _not_read(keypoints: KeypointFile) -> SessionError:
     )
 
 
-def _people(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
+def _people(session: Session, video: Video, keypoints: Keypoints | None) -> KeypointSource | None:
     """What sees the person's silhouette, where no background shows it."""
     if not needs_masks(session) or not is_persons(session.subject.body):
         return None
-    return _or_drafted(detected_keypoints(session, video), session, given)
+    return _or_drafted(detected_keypoints(session, video), session, keypoints)
 
 
 def detected_keypoints(session: Session, video: Video, *, masks: bool = True) -> DetectedKeypoints:

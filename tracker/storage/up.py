@@ -41,21 +41,28 @@ SLOPE_SIGMAS: Final = 2.0
 
 
 def estimated_up(
-    session: Session, motions: Mapping[Span, Trajectory], seen: UpEvidence | None = None
+    session: Session, motions: Mapping[Span, Trajectory], up_evidence: UpEvidence | None = None
 ) -> UpEstimate | None:
     """Up in the world by all sources that agree, and those that disagree; what somebody set stays
     as it is. None where nothing shows it.
 
-    motions: as tracked, in the world.  seen: what upright lines of the film show, in the world,
-    where they were looked for.
+    motions: as tracked, in the world.  up_evidence: what upright lines of the film show, in the
+    world, where they were looked for.
     """
-    evidence = (*(() if seen is None else (seen,)), *evidence_of_motion(session, motions))
+    evidence = (
+        *(() if up_evidence is None else (up_evidence,)),
+        *evidence_of_motion(session, motions),
+    )
     if not session.has_up_of_hand:
-        found = _without_stairs(combined(evidence, HELD_LEVEL))
-        return found if found is not None and found.used[0].sigma_rad < MOST_SIGMA_RAD else None
+        up_estimate = _without_stairs(combined(evidence, HELD_LEVEL))
+        return (
+            up_estimate
+            if up_estimate is not None and up_estimate.used[0].sigma_rad < MOST_SIGMA_RAD
+            else None
+        )
     known = UpEvidence.of(up_of(session), _set_rad(session), "set")
     off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
-    apart = tuple(one for one in off if one.sigmas >= MOST_APART)
+    apart = tuple(disagreement for disagreement in off if disagreement.sigmas >= MOST_APART)
     return UpEstimate(known.up, known.precision, (known,), apart)
 
 
@@ -66,25 +73,25 @@ def _set_rad(session: Session) -> float:
     return world.up_sigma_rad or (LEAN_RAD if world.up_from else SET_RAD)
 
 
-def _without_stairs(found: UpEstimate | None) -> UpEstimate | None:
+def _without_stairs(up_estimate: UpEstimate | None) -> UpEstimate | None:
     """The estimate without feet that disagree with how the body is upright, or that stand on a
     slope by it: stairs and hills show as one floor, and feet are the surer the farther up they go.
     Upright lines that agree with the feet bear them out."""
-    if found is None or "lines" in found.sources:
-        return found
-    apart = {one.evidence.source: one for one in found.apart}
-    used = {one.source: one for one in found.used}
+    if up_estimate is None or "lines" in up_estimate.sources:
+        return up_estimate
+    apart = {disagreement.evidence.source: disagreement for disagreement in up_estimate.apart}
+    used = {up_evidence.source: up_evidence for up_evidence in up_estimate.used}
     person = used.get("person") or (apart["person"].evidence if "person" in apart else None)
     if "feet" not in used or person is None:
-        return found
+        return up_estimate
     feet = used.pop("feet")
     rest = combined(tuple(used.values()) if "person" in used else (person,), HELD_LEVEL)
     assert rest is not None
     slope_rad, sigma_rad = feet.off_where_surest(rest.up)
     is_slope = slope_rad > max(MOST_SLOPE_RAD, SLOPE_SIGMAS * sigma_rad)
     if "person" in used and not is_slope:
-        return found
-    others = tuple(one for one in found.apart if one.evidence is not person)
+        return up_estimate
+    others = tuple(one for one in up_estimate.apart if one.evidence is not person)
     off = Disagreement(feet, apart_by(feet, rest.up, rest.precision))
     return replace(rest, apart=(*others, off))
 
@@ -94,13 +101,15 @@ def evidence_of_lines(session: Session, lines: Mapping[int, UprightLines]) -> Up
     seen. They are those of one place, and lean alike: many frames are no surer than one."""
     path = session.camera_path
     some = [
-        one.evidence if path is None else one.evidence.turned(path.Ts_world_camera[frame, :3, :3])
-        for frame, one in lines.items()
+        upright_lines.evidence
+        if path is None
+        else upright_lines.evidence.turned(path.Ts_world_camera[frame, :3, :3])
+        for frame, upright_lines in lines.items()
     ]
-    found = combined(some)
-    if found is None:
+    up_estimate = combined(some)
+    if up_estimate is None:
         return None
-    return UpEvidence(found.up, found.precision / len(found.used), "lines")
+    return UpEvidence(up_estimate.up, up_estimate.precision / len(up_estimate.used), "lines")
 
 
 def evidence_of_motion(
@@ -117,7 +126,9 @@ def evidence_of_motion(
     )
     drafted = session.subject.drafted
     is_balanced = drafted is not None and drafted.up_camera is not None
-    return tuple(one for one in found if one.source != "person" or not is_balanced)
+    return tuple(
+        up_evidence for up_evidence in found if up_evidence.source != "person" or not is_balanced
+    )
 
 
 def _soles(session: Session, motion: Trajectory) -> list[Pin]:

@@ -171,11 +171,13 @@ def expected_anchored_steps(passes: int) -> int:
     return 2 * (passes + 2)
 
 
-def measured_by_keypoints(correction: Correction, found: Trajectory, index: int) -> Candidate:
+def measured_by_keypoints(correction: Correction, trajectory: Trajectory, index: int) -> Candidate:
     """What keypoints alone led to."""
     held = even_increments(correction.scene, correction.segment.interpolated())
-    nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
-    return Candidate(index, found, correction.cost(found, held), None, nothing, correction.anchors)
+    nothing = np.zeros((len(trajectory) - 1, len(correction.scene.marks[1])))
+    return Candidate(
+        index, trajectory, correction.cost(trajectory, held), None, nothing, correction.anchors
+    )
 
 
 def cycle(

@@ -279,8 +279,8 @@ class _TaskQueue:
 
         def emit(step: Pass, number: int) -> None:
             self._leave_when_cancelled()
-            found = SegmentResult.on_the_way(step, task.key, task.settings.quality)
-            self._report(PassFinished(task.index, number, expected, found))
+            segment_result = SegmentResult.on_the_way(step, task.key, task.settings.quality)
+            self._report(PassFinished(task.index, number, expected, segment_result))
 
         result = self._tracker.run_segment(task.span, task.settings, emit)
         if result.missing:

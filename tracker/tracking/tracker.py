@@ -175,15 +175,15 @@ class Tracker:
         Prepared pictures are shared between the two, and so are the arrays of the body where it is
         the same object. Both may be in use at the same time.
         """
-        other = copy(self)
-        other._first_motion = None if first_motion is None else self._steadied(first_motion)
-        other._own, other._keypoints, other._people = tuple(own), keypoints, people
-        other._keyed_parts, other._keys = self._steady_parts(keyed_parts), keys or {}
-        other._drafted = frozenset(drafted)
+        tracker = copy(self)
+        tracker._first_motion = None if first_motion is None else self._steadied(first_motion)
+        tracker._own, tracker._keypoints, tracker._people = tuple(own), keypoints, people
+        tracker._keyed_parts, tracker._keys = self._steady_parts(keyed_parts), keys or {}
+        tracker._drafted = frozenset(drafted)
         if skeleton is not self.skeleton:
-            other._points_by_spacing = {}
-        other._pose(skeleton, keyposes, fewest)
-        return other
+            tracker._points_by_spacing = {}
+        tracker._pose(skeleton, keyposes, fewest)
+        return tracker
 
     def _steady_pose(self, frame: int, pose: Pose) -> Pose:
         return pose if self._steady is None else pose.carried(self._steady.Ts_steady_camera[frame])
@@ -200,7 +200,7 @@ class Tracker:
     def as_filmed(self, motion: Trajectory) -> Trajectory:
         """A motion that was found, as the film's own camera sees it. Where it meets a keyframe it
         has the very numbers that were set, whichever way this processor rounds."""
-        given = {
+        poses = {
             frame: self._filmed[frame]
             for frame in (motion.first_frame, motion.last_frame)
             if frame in self._filmed and _meets(motion.pose(frame), self.keyposes[frame])
@@ -208,13 +208,13 @@ class Tracker:
         if self._steady is not None:
             rows = slice(motion.first_frame, motion.last_frame + 1)
             motion = motion.carried(self._steady.Ts_camera_steady[rows])
-        given = {
-            frame: pose for frame, pose in given.items() if not _are_equal(motion.pose(frame), pose)
+        poses = {
+            frame: pose for frame, pose in poses.items() if not _are_equal(motion.pose(frame), pose)
         }
-        if not given:
+        if not poses:
             return motion
         R, t = motion.writable()
-        for frame, pose in given.items():
+        for frame, pose in poses.items():
             row = frame - motion.first_frame
             R[row], t[row] = pose.Rs_parent_part, pose.p_camera_root
         return Trajectory(motion.first_frame, R, t)
@@ -307,14 +307,14 @@ class Tracker:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
         start, end = self.keyposes[first], self.keyposes[last]
-        imported, own, known = None, None, self._first_motion
-        if known is not None and any(a <= first and last <= b for a, b in self._own):
-            imported = displaced(known, start, end, first, last)
+        imported, own, trajectory = None, None, self._first_motion
+        if trajectory is not None and any(a <= first and last <= b for a, b in self._own):
+            imported = displaced(trajectory, start, end, first, last)
             if settings.initial == "auto":
                 settings = settings.model_copy(update={"initial": "import"})
             own = imported if settings.initial == "import" else None
-        elif known is not None:
-            imported = fit_to_keyframes(known, start, end, first, last)
+        elif trajectory is not None:
+            imported = fit_to_keyframes(trajectory, start, end, first, last)
         clip = self.pictures(span)
         segment = Segment(first, last, start, end, clip, imported, own, self._to_posed_s(span))
         method = self._method(settings)
@@ -365,8 +365,8 @@ class Tracker:
                 self._kept.keep(kind, outcome)
         if not inside:
             return outcome
-        seen = self._evidence(scene, segment, settings, emit)
-        return (yield from corrected(outcome, segment, inside, self._method(settings), seen))
+        evidence = self._evidence(scene, segment, settings, emit)
+        return (yield from corrected(outcome, segment, inside, self._method(settings), evidence))
 
     def _evidence(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
@@ -421,9 +421,9 @@ class Tracker:
         still, and where no silhouette counts."""
         if self._prepared.shows_background or not self._uses_silhouette(settings):
             return None
-        seen = self._keypoints_of(self._people, segment, emit)
+        keypoints = self._keypoints_of(self._people, segment, emit)
         loader = self.loader((segment.first_frame, segment.last_frame))
-        return outlines_of(seen, loader.camera, loader.size)
+        return outlines_of(keypoints, loader.camera, loader.size)
 
     def _method(self, settings: TrackSettings) -> Method:
         return method_of(settings, with_keypoints=self._uses_keypoints(settings))
@@ -447,16 +447,16 @@ class Tracker:
         return wanted and (self._prepared.shows_background or persons)
 
 
-def _are_equal(one: Pose, other: Pose) -> bool:
+def _are_equal(pose: Pose, other: Pose) -> bool:
     """Whether two poses have the same numbers."""
-    same = np.array_equal(one.Rs_parent_part, other.Rs_parent_part)
-    return same and np.array_equal(one.p_camera_root, other.p_camera_root)
+    same = np.array_equal(pose.Rs_parent_part, other.Rs_parent_part)
+    return same and np.array_equal(pose.p_camera_root, other.p_camera_root)
 
 
-def _meets(one: Pose, other: Pose) -> bool:
+def _meets(pose: Pose, other: Pose) -> bool:
     """Whether two poses are one but for rounding."""
-    rotations = np.abs(one.Rs_parent_part - other.Rs_parent_part).max(initial=0.0)
-    places = np.abs(one.p_camera_root - other.p_camera_root).max()
+    rotations = np.abs(pose.Rs_parent_part - other.Rs_parent_part).max(initial=0.0)
+    places = np.abs(pose.p_camera_root - other.p_camera_root).max()
     return bool(max(rotations, places) <= ROUNDING)
 
 

@@ -124,16 +124,16 @@ def examine(
     key = int(np.searchsorted(index.keys, first, side="right")) - 1
     key = key if _starts_with_key(path, index, size, key) else 0
     start = int(index.keys[key])
-    for found in _examined(path, index, size, key, last):
-        if key > 0 and found.first == start and found.damaged:
+    for examined in _examined(path, index, size, key, last):
+        if key > 0 and examined.first == start and examined.damaged:
             break  # perhaps only because decoding began here, which may drop frames
-        yield found
+        yield examined
     else:
         return
     before = key - 1 if _starts_with_key(path, index, size, key - 1) else 0
-    for found in _examined(path, index, size, before, last):
-        if before == 0 or found.first > int(index.keys[before]):
-            yield found
+    for examined in _examined(path, index, size, before, last):
+        if before == 0 or examined.first > int(index.keys[before]):
+            yield examined
 
 
 def _examined(
@@ -152,8 +152,8 @@ def _examined(
         reached = max(reached, step.number)
         if step.key and step.sound and step.number > section.first:
             stop = step.number
-            found = section.examined(stop)
-            yield replace(found, reached=min(found.reached, last))
+            examined = section.examined(stop)
+            yield replace(examined, reached=min(examined.reached, last))
             section = section.after(stop)
         elif reached % _REPORT_EVERY == 0:
             yield Examined(section.first, section.first - 1, frozenset(), min(reached, last))

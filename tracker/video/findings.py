@@ -28,13 +28,13 @@ class Findings:
         self._changes: dict[int, float] = {}
         self.damaged: frozenset[int] = frozenset()
 
-    def add(self, found: Examined) -> None:
+    def add(self, examined: Examined) -> None:
         """Take what is known now."""
         with self._lock:
-            self._examined.update(range(found.first, found.last + 1))
-            self._changes.update(found.changes)
-            if not found.damaged <= self.damaged:
-                self.damaged = self.damaged | found.damaged
+            self._examined.update(range(examined.first, examined.last + 1))
+            self._changes.update(examined.changes)
+            if not examined.damaged <= self.damaged:
+                self.damaged = self.damaged | examined.damaged
 
     def is_examined(self, frame: int) -> bool:
         return frame in self._examined
@@ -66,11 +66,11 @@ class _Known:
     def of(self, key: FileKey) -> Findings:
         """Those of a file, which whoever asks adds to."""
         with self._lock:
-            found = self._findings.setdefault(key, Findings())
+            findings = self._findings.setdefault(key, Findings())
             self._findings.move_to_end(key)
             while len(self._findings) > MOST_FILMS:
                 self._findings.popitem(last=False)
-            return found
+            return findings
 
 
 KNOWN: Final = _Known()

@@ -80,15 +80,15 @@ def panorama_of(camera: Camera, frames: Sequence[Shown]) -> Panorama:
         picture, known = _median(
             camera, frames, gains, R_pano_world, (lon[0], lat[0]), step, (size[0], size[1])
         )
-        found = Panorama(camera, picture, known, R_pano_world, (lon[0], lat[0]), step)
+        panorama = Panorama(camera, picture, known, R_pano_world, (lon[0], lat[0]), step)
         if gains_known:
             break
         gains = np.array(
-            [exposure_of(frame.picture, *found.seen(frame.R_camera_world)) for frame in frames]
+            [exposure_of(frame.picture, *panorama.seen(frame.R_camera_world)) for frame in frames]
         )
         if np.abs(gains - 1).max() < SAME_EXPOSURE:
             break
-    return found
+    return panorama
 
 
 def exposure_of(

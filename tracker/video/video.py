@@ -198,13 +198,13 @@ class Video:
         self._check(last)
         while unknown := self._found.unknown(self._numbers(first, last)):
             numbering = self._numbering
-            for found in self._source.examine(unknown[0], unknown[-1]):
+            for examined in self._source.examine(unknown[0], unknown[-1]):
                 with self._lock:
                     if numbering != self._numbering:
                         break
-                    self._check(found.reached)
-                    self._found.add(found)
-                yield found.reached
+                    self._check(examined.reached)
+                    self._found.add(examined)
+                yield examined.reached
             else:
                 return
 

@@ -88,7 +88,7 @@ class Library:
         """All of it as the page wants it; looks into folders, so call it in a thread."""
         listing = find_files(self.roots)
         return {
-            "recents": [_recent_json(one) for one in self.recents()],
+            "recents": [_recent_json(recent) for recent in self.recents()],
             "samples": [
                 {"id": s.name, "words": s.words, "thumb": f"/thumb/{_SAMPLE_THUMB}{s.name}.jpg"}
                 for s in bundled_samples(self._samples)
@@ -114,7 +114,7 @@ class Library:
 
     def recents(self) -> list[Recent]:
         """Sessions opened lately whose files are still there, the newest first."""
-        return [one for one in read_recents(self._book) if one.is_there]
+        return [recent for recent in read_recents(self._book) if recent.is_there]
 
     def remember(
         self,
@@ -168,7 +168,9 @@ class Library:
         What lies there for too long is gone for good then.
         """
         path = self._saved(id)
-        name = next((one.name for one in self.recents() if one.id == id), name_of(path, ""))
+        name = next(
+            (recent.name for recent in self.recents() if recent.id == id), name_of(path, "")
+        )
         in_trash = self._trash.put(path)
         self._visited.pop(id, None)
         self.forget(id)
@@ -212,9 +214,9 @@ class Library:
 
     def _recent(self, id: str) -> Path:
         """What to open: a session's file, or what it was begun from."""
-        for one in self.recents():
-            if one.id == id:
-                return Path(one.path) if Path(one.path).is_file() else Path(one.source)
+        for recent in self.recents():
+            if recent.id == id:
+                return Path(recent.path) if Path(recent.path).is_file() else Path(recent.source)
         source = self._visited.get(id)
         if source is not None and source.exists():
             return source

@@ -58,33 +58,33 @@ class PoseShelf:
 
     def keep(self, name: str, copied: Copied, strokes: Sequence[PoseStroke]) -> KeptPose:
         """One more."""
-        known = self.poses()
-        if len(known) >= MOST:
+        kept_poses = self.poses()
+        if len(kept_poses) >= MOST:
             raise ActionRefused(
                 f"The library holds {MOST} poses, which is the most. Delete some first."
             )
         id = secrets.token_hex(6)
         kept = KeptPose(id=id, name=name, copied=copied, strokes=tuple(strokes))
-        self._write((*known, kept))
+        self._write((*kept_poses, kept))
         return kept
 
     def rename(self, id: str, name: str) -> None:
         """Another name for one."""
-        known = self.poses()
-        _index_of_pose(known, id)
-        self._write(p.model_copy(update={"name": name}) if p.id == id else p for p in known)
+        kept_poses = self.poses()
+        _index_of_pose(kept_poses, id)
+        self._write(p.model_copy(update={"name": name}) if p.id == id else p for p in kept_poses)
 
     def delete(self, id: str) -> tuple[int, KeptPose]:
         """Without one: where it stood, and itself, with which `put_back` undoes it."""
-        known = self.poses()
-        place = _index_of_pose(known, id)
-        self._write((*known[:place], *known[place + 1 :]))
-        return place, known[place]
+        kept_poses = self.poses()
+        place = _index_of_pose(kept_poses, id)
+        self._write((*kept_poses[:place], *kept_poses[place + 1 :]))
+        return place, kept_poses[place]
 
     def put_back(self, place: int, pose: KeptPose) -> None:
         """One that was deleted, where it stood."""
-        known = tuple(one for one in self.poses() if one.id != pose.id)
-        self._write((*known[:place], pose, *known[place:])[:MOST])
+        kept_poses = tuple(kept_pose for kept_pose in self.poses() if kept_pose.id != pose.id)
+        self._write((*kept_poses[:place], pose, *kept_poses[place:])[:MOST])
 
     def _write(self, poses: Iterable[KeptPose]) -> None:
         book = _Book(poses=tuple(poses))

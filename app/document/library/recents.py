@@ -115,14 +115,15 @@ def remember(file: Path, recent: Recent) -> None:
 def rename(file: Path, id: str, name: str) -> None:
     """Let a session have another name, in the place where it stands."""
     changed = tuple(
-        one.model_copy(update={"name": name}) if one.id == id else one for one in read_recents(file)
+        recent.model_copy(update={"name": name}) if recent.id == id else recent
+        for recent in read_recents(file)
     )
     write_file(file, _Book(recents=changed).model_dump_json(indent=1).encode(), overwrite=True)
 
 
 def forget(file: Path, id: str) -> None:
     """Leave a session out; its files stay."""
-    kept = tuple(one for one in read_recents(file) if one.id != id)
+    kept = tuple(recent for recent in read_recents(file) if recent.id != id)
     write_file(file, _Book(recents=kept).model_dump_json(indent=1).encode(), overwrite=True)
 
 

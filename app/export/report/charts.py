@@ -309,7 +309,7 @@ def line_chart(
         path(f"M0 {scale.y(0.0):.1f}H1000", "zero") if has_zero else None,
         *(path(uprights(at, scale), style) for style, at in uprights_at.items()),
         *(piece for one in lines for piece in one.drawn(scale)),
-        *(path(one.dots(scale), f"dots {one.style}") for one in lines),
+        *(path(line.dots(scale), f"dots {line.style}") for line in lines),
         words=words,
     )
     below = ticks or (f"{scale.first:g}", f"{scale.last:g}")

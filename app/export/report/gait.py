@@ -52,15 +52,16 @@ class Row:
     def moves(self) -> bool:
         """Whether any of its angles changes."""
         return any(
-            np.nanmax(np.ptp(_known(one.angles_deg), axis=0), initial=0.0) > LEAST_MOTION_DEG
-            for one in self.sides.values()
+            np.nanmax(np.ptp(_known(joint_angles.angles_deg), axis=0), initial=0.0)
+            > LEAST_MOTION_DEG
+            for joint_angles in self.sides.values()
         )
 
 
 def legend(recording: Recording) -> Html:
     """Which colour is which side, and what is drawn beside curves."""
     sides = (element("span", part_label(side), class_=f"name {side}") for side in ("left", "right"))
-    has_errors = any(one.errors_deg is not None for one in recording.joint_angles)
+    has_errors = any(joint_angles.errors_deg is not None for joint_angles in recording.joint_angles)
     more = "; bands: half of all angles are off by less; grey: not seen, or a guess in depth"
     words = f"dots are the keyframes{more if has_errors else ''}"
     return element("p", *sides, element("span", words), class_="legend")
@@ -75,10 +76,10 @@ def clinical_charts(subject: Subject, recording: Recording) -> list[Html]:
 def rows_of(found: Sequence[JointAngles]) -> list[Row]:
     """The joints, left and right together."""
     rows: dict[str, dict[str, JointAngles]] = {}
-    for one in found:
-        side, _, rest = one.joint.name.partition("_")
+    for joint_angles in found:
+        side, _, rest = joint_angles.joint.name.partition("_")
         name, side = (rest, side) if rest else (side, "middle")
-        rows.setdefault(name, {})[side] = one
+        rows.setdefault(name, {})[side] = joint_angles
     return [Row(name, sides) for name, sides in rows.items()]
 
 
@@ -104,9 +105,9 @@ def _charts(subject: Subject, recording: Recording, row: Row) -> Iterator[Html]:
     first = recording.frames[0]
     for k, angle in enumerate(row.joint.angles):
         lines = []
-        for side, one in row.sides.items():
-            errors = None if one.errors_deg is None else one.errors_deg[:, k]
-            values = one.angles_deg[:, k]
+        for side, joint_angles in row.sides.items():
+            errors = None if joint_angles.errors_deg is None else joint_angles.errors_deg[:, k]
+            values = joint_angles.angles_deg[:, k]
             lines.append(Line(values, side, first, subject.keys, errors, GUESS_DEG))
         yield _chart(subject, row.name, angle, lines)
 
@@ -188,7 +189,7 @@ def _tiles(strides: Sequence[Stride]) -> Html:
     """The mean over both feet in large figures."""
     tiles = [tile(str(len(strides)), "stride" if len(strides) == 1 else "strides")]
     for value_of, digits, unit, words in _LARGE:
-        known = [value for one in strides if (value := value_of(one)) is not None]
+        known = [value for stride in strides if (value := value_of(stride)) is not None]
         if known:
             tiles.append(tile(f"{number_text(float(np.mean(known)), digits)} {unit}", words))
     return element("div", *tiles, class_="tiles")
@@ -199,25 +200,25 @@ def strides_table(gait: Gait) -> Html:
     head = ("Foot", "Heel strikes", "Toe off", *(name for name, _, _ in _COLUMNS))
     offs = {(s.part, s.heel_strike): s.toe_off for s in gait.stances}
     rows = [_row(one, offs.get((one.part, one.first_frame))) for one in gait.strides]
-    feet = list(dict.fromkeys(one.part for one in gait.strides))
+    feet = list(dict.fromkeys(stride.part for stride in gait.strides))
     rows += [_mean_row([one for one in gait.strides if one.part == foot]) for foot in sorted(feet)]
     return table(head, rows, tuple(range(1, len(head))))
 
 
-def _row(one: Stride, toe_off: int | None) -> list[Child]:
-    frames = f"{one.first_frame} → {one.last_frame}"
+def _row(stride: Stride, toe_off: int | None) -> list[Child]:
+    frames = f"{stride.first_frame} → {stride.last_frame}"
     numbers = [frames, "–" if toe_off is None else str(toe_off)]
     for _, value_of, digits in _COLUMNS:
-        value = value_of(one)
+        value = value_of(stride)
         numbers.append(figure(np.nan if value is None else value, digits))
-    return [_foot(one.part), *(element("td", words, class_="num") for words in numbers)]
+    return [_foot(stride.part), *(element("td", words, class_="num") for words in numbers)]
 
 
 def _mean_row(strides: Sequence[Stride]) -> list[Child]:
     cells: list[Child] = [_foot(strides[0].part, f", mean of {len(strides)}")]
     cells += [element("td", class_="num"), element("td", class_="num")]
     for _, value_of, digits in _COLUMNS:
-        known = [value for one in strides if (value := value_of(one)) is not None]
+        known = [value for stride in strides if (value := value_of(stride)) is not None]
         words = figure(float(np.mean(known)) if known else np.nan, digits)
         if len(known) > 1:
             words += f" ± {number_text(float(np.std(known, ddof=1)), digits)}"
@@ -260,7 +261,7 @@ def _bar(scale: Scale, first: int, last: int, class_: str, title: str) -> Html:
 
 def _cycles(recording: Recording, gait: Gait) -> Iterator[Html]:
     """Flexion of hip, knee and ankle over the strides, every one and their mean."""
-    angles = {one.joint.name: one for one in recording.joint_angles}
+    angles = {joint_angles.joint.name: joint_angles for joint_angles in recording.joint_angles}
     for name in CYCLE_JOINTS:
         if f"left_{name}" not in angles:
             continue

@@ -107,8 +107,8 @@ def charts_section(subject: Subject) -> Html:
         "show how well it determines each group of parts; where they are hatched it does too "
         f"little, and the motion follows the {of_evidence.led_by}."
     )
-    seen = element("p", words, class_="quiet") if tracks else None
-    pieces = [_section("Over time", seen, over_time(subject))]
+    html = element("p", words, class_="quiet") if tracks else None
+    pieces = [_section("Over time", html, over_time(subject))]
     if tracks and of_evidence.has_passes:
         charts = [score_chart(track) for track in tracks[:MOST_SCORES]]
         words = "The difference of brightness that is left after every pass; lower is better."
@@ -241,8 +241,8 @@ def _facts(subject: Subject) -> list[str]:
 
 def _summary(subject: Subject) -> list[str]:
     """The outcome, and what would help most."""
-    known = JudgedSegments.over(subject.session, subject.fitting)
-    next_ = next_step(subject.keys, subject.session, subject.fitting, known)
+    judged_segments = JudgedSegments.over(subject.session, subject.fitting)
+    next_ = next_step(subject.keys, subject.session, subject.fitting, judged_segments)
     advice = f"{_sentence(next_.title)} {_sentence(next_.detail)}".strip()
     if not subject.spans:
         return [advice]
@@ -255,7 +255,9 @@ def _summary(subject: Subject) -> list[str]:
     if len(subject.keys) < 2:
         return [outcome, advice]
     interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
-    reviewed = answers_words([one for one in known.reviewed if known.counts(one)])
+    reviewed = answers_words(
+        [one for one in judged_segments.reviewed if judged_segments.counts(one)]
+    )
     return [f"{outcome} {interval}", advice, *([reviewed] if reviewed else [])]
 
 
@@ -279,7 +281,7 @@ def _tiles(subject: Subject) -> Html:
     tiles.append(tile(str(len(subject.keys)), "keyframes"))
     if len(subject.keys) > 1:
         tiles.append(tile(number_text(subject.mean_interval, 1), "frames between keyframes"))
-    measured = (found.diagnostics.rank for found in subject.fitting.values())
+    measured = (segment_result.diagnostics.rank for segment_result in subject.fitting.values())
     ranks = [rank[rank >= 0] for rank in measured]
     least = min((int(rank.min()) for rank in ranks if len(rank)), default=None)
     if least is not None:

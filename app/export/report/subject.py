@@ -152,15 +152,17 @@ def _time_by_keyframes(session: Session, frame: int) -> float:
 
 def recording_of(subject: Subject) -> Recording | None:
     """None where no segment is tracked; FormatError where nobody knows when frames are shown."""
-    found = [track for track in subject.fitting.values() if track.finished]
-    if not found:
+    segment_results = [track for track in subject.fitting.values() if track.finished]
+    if not segment_results:
         return None
     times_s = np.array([subject.time_s(i) for i in range(subject.session.view.video.frame_count)])
     if not np.isfinite(times_s).all():
         raise FormatError("Without the video, two keyframes are needed to know how fast it moves.")
     segments = [
         RecordedSegment(track.first, track.last, track.verdict)
-        for track in found
+        for track in segment_results
         if track.verdict is not None
     ]
-    return Recording.of(subject.session, Tracks.of(found, subject.skeleton), segments, times_s)
+    return Recording.of(
+        subject.session, Tracks.of(segment_results, subject.skeleton), segments, times_s
+    )

@@ -211,8 +211,8 @@ def _segment_row(subject: Subject, span: Span) -> list[Child]:
 def _scores(subject: Subject, span: Span) -> list[Child]:
     """How well its motion fits, dashes where there is none."""
     track = subject.fitting.get(span)
-    found = track if track is not None and track.finished else None
-    return [_number(words) for words in words_for(subject.session).scores(found)]
+    segment_result = track if track is not None and track.finished else None
+    return [_number(words) for words in words_for(subject.session).scores(segment_result)]
 
 
 def _keyframe_row(subject: Subject, i: int) -> list[Child]:

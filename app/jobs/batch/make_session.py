@@ -222,8 +222,8 @@ def _with_camera(
     """The session with its camera's motion, where it has one that nobody knows yet; written."""
     if session.has_static_camera or session.view.camera_motion is not None:
         return session, record
-    found = find_saved(session, path, None, report)
-    session, record = with_found(session, found), record.with_note(found_words(found))
+    found_camera = find_saved(session, path, None, report)
+    session, record = with_found(session, found_camera), record.with_note(found_words(found_camera))
     _write_record(record, path)
     save_session(session, path)
     return session, record

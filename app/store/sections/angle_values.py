@@ -38,9 +38,9 @@ def joint_angle(app_state: AppState) -> Json:
     errors = _expected_errors(edit, own)
     sides = []
     for joint in own:
-        found = angles_of(doc.subject.body, joint, lambda part: part_rotations(edit, part))
+        joint_angles = angles_of(doc.subject.body, joint, lambda part: part_rotations(edit, part))
         side = joint.name.removesuffix(name_of(joint)).rstrip("_")
-        values = listed(found[angle.name], 1)
+        values = listed(joint_angles[angle.name], 1)
         column = joint.angles.index(angle)
         off = None if errors is None else listed(errors[joint][:, column], 1)
         row = {"side": SIDES[side], "part": joint.part, "values": values, "errors": off}
@@ -65,8 +65,11 @@ def joint_angle(app_state: AppState) -> Json:
 def _expected_errors(edit: EditorState, joints: Sequence[Joint]) -> dict[Joint, Array] | None:
     """Degrees (F, 3) by which joints' angles are expected to be off, NaN where that is not known;
     None where it is of none."""
-    known = JudgedSegments.of(edit.doc, edit.results)
-    judged = [(track.first, known.angle_errors(track, joints)) for track in known.tracks.values()]
+    judged_segments = JudgedSegments.of(edit.doc, edit.results)
+    judged = [
+        (track.first, judged_segments.angle_errors(track, joints))
+        for track in judged_segments.tracks.values()
+    ]
     pieces = [(first, errors) for first, errors in judged if errors is not None]
     if not pieces:
         return None

@@ -135,8 +135,12 @@ def pose(app_state: AppState) -> Json:
         "at_limit": at_limit(edit.skeleton, standing.pose) if edit.display.limits else {},
         "gesture": _gesture(edit),
         "corners": [
-            {"part": one.part, "index": one.index, "uv": [float(v) for v in one.uv]}
-            for one in corners_placed(edit)
+            {
+                "part": placed_corner.part,
+                "index": placed_corner.index,
+                "uv": [float(v) for v in placed_corner.uv],
+            }
+            for placed_corner in corners_placed(edit)
         ],
     }
 

@@ -35,29 +35,29 @@ def camera_motion(app_state: AppState) -> Json:
         "source": motion.source,
         "counts": path is not None,
         "words": camera_sentence(motion.kind, motion.path.zooms, usual),
-        "ways": [] if motion.kind != "moves" else [_way(way) for way in motion.ways],
+        "ways": [] if motion.kind != "moves" else [_way(camera_way) for camera_way in motion.ways],
         "error_px": [None if np.isnan(e) else round(float(e), 3) for e in errors],
         "keys": [keyframe.frame for keyframe in doc.view.camera_keyframes],
         "findings": [
             {
-                "kind": one.kind,
-                "first": one.first_frame,
-                "last": one.last_frame,
-                "words": finding_sentence(one),
+                "kind": camera_finding.kind,
+                "first": camera_finding.first_frame,
+                "last": camera_finding.last_frame,
+                "words": finding_sentence(camera_finding),
             }
-            for one in (*motion.findings, *motion.unscaled)
+            for camera_finding in (*motion.findings, *motion.unscaled)
         ],
         "path": None if path is None else _places(path),
     }
 
 
-def _way(way: CameraWay) -> Json:
+def _way(camera_way: CameraWay) -> Json:
     """How far the camera went from where it was as a piece begins, and what is said as ±."""
-    far, sigma = way.farthest_m, way.sigma
+    far, sigma = camera_way.farthest_m, camera_way.sigma
     off = None if far is None or sigma is None else SIGMAS_SAID * sigma * far
     return {
-        "first": way.first_frame,
-        "last": way.last_frame,
+        "first": camera_way.first_frame,
+        "last": camera_way.last_frame,
         "metres": None if far is None else float(f"{far:.3g}"),
         "off_m": None if off is None else float(f"{off:.1g}"),
     }

@@ -163,7 +163,7 @@ def _point(
 
 def surface(app_state: AppState) -> Json:
     """None where the session has no surfaces."""
-    edit, seen = app_state.edit, app_state.surface
+    edit, surface_seen = app_state.edit, app_state.surface
     if edit is None or not edit.doc.evidence.has_surface:
         return None
     given, model = surface_of(edit.doc), edit.doc.model_keyframe
@@ -171,11 +171,11 @@ def surface(app_state: AppState) -> Json:
         **given.model_dump(include={"units", "up", "fps", "weights", "distance", "binding"}),
         "cameras": PurePath(given.cameras).name if given.cameras else None,
         "model_frame": None if model is None else model.frame,
-        "problem": seen.problem if seen.frame == edit.frame else "",
+        "problem": surface_seen.problem if surface_seen.frame == edit.frame else "",
         "unusable": app_state.unusable,
-        "faces": seen.faces,
-        "middle": None if seen.middle is None else list(seen.middle),
-        "rims": seen.rims,
+        "faces": surface_seen.faces,
+        "middle": None if surface_seen.middle is None else list(surface_seen.middle),
+        "rims": surface_seen.rims,
         "tints": [_tint(app_state, kind) for kind in LEGENDS],
         "ramp": css_stops(),
     }

@@ -34,39 +34,43 @@ def errors(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return []
-    known = JudgedSegments.of(edit.settled, edit.results)
+    judged_segments = JudgedSegments.of(edit.settled, edit.results)
     return [
         {"first": track.first, **worst}
-        for track in known.tracks.values()
-        for worst in _worst_parts(known, track)
+        for track in judged_segments.tracks.values()
+        for worst in _worst_parts(judged_segments, track)
     ]
 
 
-def _worst_parts(known: JudgedSegments, track: SegmentResult) -> list[dict[str, Json]]:
+def _worst_parts(judged_segments: JudgedSegments, track: SegmentResult) -> list[dict[str, Json]]:
     """Up to MOST parts of one segment, of those of which anything is known. The part that the
     segment's problem is about stands with the problem's frame."""
     errors = part_errors_px(track)
     if errors is None:
         return []
     last = len(errors) - 1
-    found = problem_of(known, track)
+    problem = problem_of(judged_segments, track)
     listed = []
     for part, largest in enumerate(errors.max(axis=0)):
         if largest < 0:
             continue
         row = best_row(track, part, 0, last)
-        if found is not None and known.name(part) == found.part and found.px is not None:
-            row = found.frame - track.first
+        if (
+            problem is not None
+            and judged_segments.name(part) == problem.part
+            and problem.px is not None
+        ):
+            row = problem.frame - track.first
         listed.append((float(errors[row, part]), part, row))
     listed.sort(key=lambda one: -one[0])
-    return [_row(known, track, *one) for one in listed[:MOST]]
+    return [_row(judged_segments, track, *one) for one in listed[:MOST]]
 
 
 def _row(
-    known: JudgedSegments, track: SegmentResult, px: float, part: int, row: int
+    judged_segments: JudgedSegments, track: SegmentResult, px: float, part: int, row: int
 ) -> dict[str, Json]:
-    name, frame = known.parts[part], track.first + row
-    cm = known.error_cm(track, frame, name, px)
+    name, frame = judged_segments.parts[part], track.first + row
+    cm = judged_segments.error_cm(track, frame, name, px)
     return {"part": name, "frame": frame, "px": round(px, 2), "cm": _rounded(cm)}
 
 
@@ -77,16 +81,16 @@ def segments(app_state: AppState) -> Json:
         return []
     states = edit.results.states(edit.settled)
     fitting = edit.results.fitting(edit.settled)
-    words, known = edit.doc.evidence.words, JudgedSegments.of(edit.settled, edit.results)
+    words, judged_segments = edit.doc.evidence.words, JudgedSegments.of(edit.settled, edit.results)
     return [
-        _segment(app_state, known, words, span, state, fitting.get(span))
+        _segment(app_state, judged_segments, words, span, state, fitting.get(span))
         for span, state in states.items()
     ]
 
 
 def _segment(
     app_state: AppState,
-    known: JudgedSegments,
+    judged_segments: JudgedSegments,
     words: Words,
     span: Span,
     state: State,
@@ -120,7 +124,7 @@ def _segment(
     }
     if track is not None and track.verdict is not None:
         value |= {
-            **_verdict(track, problem_of(known, track)),
+            **_verdict(track, problem_of(judged_segments, track)),
             "scores": [_finite(score) for score in track.scores],
             "best": track.best_pass,
             "notes": list(track.notes),
@@ -139,30 +143,30 @@ def _segment(
     return value
 
 
-def _verdict(track: SegmentResult, found: Problem | None) -> dict[str, Json]:
+def _verdict(track: SegmentResult, problem: Problem | None) -> dict[str, Json]:
     """What is said of a segment: its problem, which everything else that is said of it
     names.
     """
     is_good = track.kind == "good"
-    if found is None or (is_good and found.cause in BY_MOTION):
+    if problem is None or (is_good and problem.cause in BY_MOTION):
         good: dict[str, Json] = {"words": "Good", "short": "Good", "cause": "good"}
         return good if is_good else {"state": "good", "words": "Reviewed", "short": "Reviewed"}
-    sentence = sentence_of(found)
+    sentence = sentence_of(problem)
     lost = "" if sentence.startswith("Lost") else "Lost. "
     check = f"Check: {sentence[:1].lower()}{sentence[1:]}"
     least = f"Good. Least sure: {sentence[:1].lower()}{sentence[1:]}"
-    words = {"good": least, "check": check, "lost": f"{lost}{sentence}"}[found.kind]
+    words = {"good": least, "check": check, "lost": f"{lost}{sentence}"}[problem.kind]
     return {
-        "words": sentence if found.cause == "other" else words,
+        "words": sentence if problem.cause == "other" else words,
         "short": words if is_good else sentence,
-        "todo": todo_of(found),
-        "cause": found.cause,
-        "part": found.part,
-        "frames": list(found.frames),
-        "go": found.frame,
-        "px": None if found.px is None else round(found.px, 2),
-        "cm": None if found.cm is None else round(found.cm, 2),
-        "size": size_of(found.px, found.cm),
+        "todo": todo_of(problem),
+        "cause": problem.cause,
+        "part": problem.part,
+        "frames": list(problem.frames),
+        "go": problem.frame,
+        "px": None if problem.px is None else round(problem.px, 2),
+        "cm": None if problem.cm is None else round(problem.cm, 2),
+        "size": size_of(problem.px, problem.cm),
     }
 
 
@@ -172,16 +176,16 @@ def suggest(app_state: AppState) -> Json:
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
-    known = JudgedSegments.of(edit.settled, edit.results)
-    found = next_step(edit.keys, edit.settled, fitting, known)
+    judged_segments = JudgedSegments.of(edit.settled, edit.results)
+    suggestion = next_step(edit.keys, edit.settled, fitting, judged_segments)
     return {
-        "frame": found.frame,
-        "title": found.title,
-        "detail": found.detail,
-        "kind": found.kind,
-        "part": None if found.problem is None else found.problem.part,
-        "cause": None if found.problem is None else found.problem.cause,
-        "ahead": found.ahead,
+        "frame": suggestion.frame,
+        "title": suggestion.title,
+        "detail": suggestion.detail,
+        "kind": suggestion.kind,
+        "part": None if suggestion.problem is None else suggestion.problem.part,
+        "cause": None if suggestion.problem is None else suggestion.problem.cause,
+        "ahead": suggestion.ahead,
     }
 
 
@@ -207,15 +211,15 @@ def lanes(app_state: AppState) -> Json:
 
 def job(app_state: AppState) -> Json:
     """What the tracker is doing."""
-    given = app_state.job
+    job_state = app_state.job
     return {
-        "state": given.state,
-        "title": given.title,
-        "words": given.words,
-        "percent": round(given.percent, 1),
-        "seconds_left": given.seconds_left,
-        "kind": given.kind,
-        "worst": given.worst,
+        "state": job_state.state,
+        "title": job_state.title,
+        "words": job_state.words,
+        "percent": round(job_state.percent, 1),
+        "seconds_left": job_state.seconds_left,
+        "kind": job_state.kind,
+        "worst": job_state.worst,
     }
 
 
@@ -238,7 +242,8 @@ def review(app_state: AppState) -> Json:
     return {
         "places": [_place(doc, found, place) for place in found.places],
         "answered": [
-            {"frame": one.frame, "part": one.part, "answer": one.answer} for one in found.answered
+            {"frame": reviewed.frame, "part": reviewed.part, "answer": reviewed.answer}
+            for reviewed in found.answered
         ],
         "goal": found.goal_px,
         "goals": list(GOALS_PX),

@@ -143,20 +143,24 @@ def found_up(app_state: AppState) -> Json:
     if found is None or found.estimate is None:
         return None
     estimate = found.estimate
-    rivals = [estimate.used[0], *(one.evidence for one in estimate.apart)] if estimate.apart else []
+    rivals = (
+        [estimate.used[0], *(disagreement.evidence for disagreement in estimate.apart)]
+        if estimate.apart
+        else []
+    )
     return {
         "words": up_words(estimate),
         "frame": found.frame,
         "lines": [] if found.lines is None else found.lines.ends.round(1).tolist(),
         "choices": [
             {
-                "label": choice_words(one),
-                "source": one.source,
-                "up": one.up.tolist(),
-                "sigma_deg": round(min(math.degrees(one.sigma_rad), 180.0), 3),
+                "label": choice_words(up_evidence),
+                "source": up_evidence.source,
+                "up": up_evidence.up.tolist(),
+                "sigma_deg": round(min(math.degrees(up_evidence.sigma_rad), 180.0), 3),
             }
-            for one in rivals
-            if one.source != "set"
+            for up_evidence in rivals
+            if up_evidence.source != "set"
         ],
     }
 

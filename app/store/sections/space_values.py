@@ -263,10 +263,10 @@ def space(app_state: AppState) -> Json:
     if edit is None:
         return []
     weighted: list[tuple[float, Json]] = []
-    known = JudgedSegments.of(edit.settled, edit.results)
+    judged_segments = JudgedSegments.of(edit.settled, edit.results)
     for stretch in edit.results.space(edit.settled):
-        waiting = (found for found in stretch.findings if not _is_accepted(known, found))
-        weighted += [(_weight(found), _finding(found)) for found in waiting]
+        waiting = (found for found in stretch.findings if not _is_accepted(judged_segments, found))
+        weighted += [(_weight(space_finding), _finding(space_finding)) for space_finding in waiting]
         for pin in stretch.pins:
             if pin.keyframe is not None:
                 row = {
@@ -305,12 +305,12 @@ def _guessed_up(edit: EditorState, rise_m: float) -> Json:
     }
 
 
-def _is_accepted(known: JudgedSegments, found: SpaceFinding) -> bool:
+def _is_accepted(judged_segments: JudgedSegments, space_finding: SpaceFinding) -> bool:
     """Whether a person has said that the foot is right where it leaves the floor or as it is
     pinned, or the limb as it points.
     """
-    asked = found.kind in ("off_floor", "mirrored", "pulled", "bent")
-    answered = known.answer(found.part, found.go) if asked else None
+    asked = space_finding.kind in ("off_floor", "mirrored", "pulled", "bent")
+    answered = judged_segments.answer(space_finding.part, space_finding.go) if asked else None
     return answered is not None and answered.answer == "accepted"
 
 
@@ -327,17 +327,17 @@ def _guessed_lens(edit: EditorState, share: float) -> Json:
     }
 
 
-def _weight(found: SpaceFinding) -> float:
-    return _WEIGHTS[found.kind] * abs(found.amount)
+def _weight(space_finding: SpaceFinding) -> float:
+    return _WEIGHTS[space_finding.kind] * abs(space_finding.amount)
 
 
-def _finding(found: SpaceFinding) -> Json:
+def _finding(space_finding: SpaceFinding) -> Json:
     return {
-        "kind": found.kind,
-        "words": space_sentence(found),
-        "part": found.part,
-        "first": found.first_frame,
-        "last": found.last_frame,
-        "go": found.go,
-        "remedy": _REMEDIES[found.kind],
+        "kind": space_finding.kind,
+        "words": space_sentence(space_finding),
+        "part": space_finding.part,
+        "first": space_finding.first_frame,
+        "last": space_finding.last_frame,
+        "go": space_finding.go,
+        "remedy": _REMEDIES[space_finding.kind],
     }

@@ -60,15 +60,15 @@ def masks(app_state: AppState) -> Json:
 def settings(app_state: AppState) -> Json:
     """How to track."""
     doc = doc_of(app_state)
-    given = doc.settings if doc else TrackSettings()
+    track_settings = doc.settings if doc else TrackSettings()
     source = doc.subject.first_motion.source if doc and doc.subject.first_motion else None
     found = doc.view.video.stands_still if doc else None
     return {
-        **given.model_dump(include={"method", "quality", "static_camera"}),
+        **track_settings.model_dump(include={"method", "quality", "static_camera"}),
         "found_still": found,
         "imported": source,
-        "smooth": bool(given.smooth),
-        "cues": list(given.cues_used),
+        "smooth": bool(track_settings.smooth),
+        "cues": list(track_settings.cues_used),
     }
 
 
@@ -96,13 +96,13 @@ def clipboard(app_state: AppState) -> Json:
 
 def fit(app_state: AppState) -> Json:
     """What the last fit did, until something else is edited."""
-    given = app_state.fit
-    if given is None:
+    fit_outcome = app_state.fit
+    if fit_outcome is None:
         return None
     return {
-        "frame": given.frame,
-        "words": given.words,
-        "looking_back": given.looking_back,
+        "frame": fit_outcome.frame,
+        "words": fit_outcome.words,
+        "looking_back": fit_outcome.looking_back,
     }
 
 
@@ -138,12 +138,18 @@ def sizes_preview(app_state: AppState) -> Json:
 
 def reduction(app_state: AppState) -> Json:
     """Keyframes of a reduction that wait to be applied or discarded."""
-    given, edit = app_state.reduction, app_state.edit
-    if given is None or edit is None:
+    reduction_preview, edit = app_state.reduction, app_state.edit
+    if reduction_preview is None or edit is None:
         return None
-    asked, motion, known = given.asked, given.found.motion, given.reduction
+    asked, motion, known = (
+        reduction_preview.asked,
+        reduction_preview.found.motion,
+        reduction_preview.reduction,
+    )
     posed = (
-        edit.doc.subject.keyframes if given.found.parts is None else edit.doc.subject.part_keyframes
+        edit.doc.subject.keyframes
+        if reduction_preview.found.parts is None
+        else edit.doc.subject.part_keyframes
     )
     frames = () if known is None else known.frames
     own = {keyframe.frame for keyframe in posed}
@@ -157,8 +163,8 @@ def reduction(app_state: AppState) -> Json:
         "px": asked.px,
         "limbs": list(asked.limbs),
         "replacing": asked.replacing,
-        "source": given.found.source,
-        "busy": given.busy,
+        "source": reduction_preview.found.source,
+        "busy": reduction_preview.busy,
         "frames": list(frames),
         "kept": len(own.intersection(frames)),
         "every": 0.0 if known is None else known.frames_per_keyframe,
@@ -193,20 +199,20 @@ def draft(app_state: AppState) -> Json:
     edit, doc = app_state.edit, doc_of(app_state)
     if edit is None or doc is None or doc.subject.drafted is None:
         return None
-    given, waiting = doc.subject.drafted, {draft.frame for draft in doc.subject.drafts}
+    drafted, waiting = doc.subject.drafted, {draft.frame for draft in doc.subject.drafts}
     if not waiting:
         return None
     to_confirm = drafts_to_confirm(doc)
-    left = set() if given.rest is None else {*frames_of(given.rest.frames)}
-    asked = [f for f in range(given.first_frame, given.last_frame + 1) if f not in left]
-    lacking = missing_frames(given)
+    left = set() if drafted.rest is None else {*frames_of(drafted.rest.frames)}
+    asked = [f for f in range(drafted.first_frame, drafted.last_frame + 1) if f not in left]
+    lacking = missing_frames(drafted)
     hidden = {draft.frame for draft in doc.subject.drafts if not counts(edit, draft)}
     tracked = {frame for frame in lacking if edit.tracked(frame) is not None}
     posed = {*waiting, *tracked, *(k.frame for k in doc.subject.keyframes)}
     return {
         "latest": is_latest_draft(app_state),
-        "first": given.first_frame,
-        "last": given.last_frame,
+        "first": drafted.first_frame,
+        "last": drafted.last_frame,
         "drafted": len(asked) - len({*lacking}.intersection(asked)),
         "behind": len(hidden.intersection(asked)),
         "missing": [
@@ -215,7 +221,7 @@ def draft(app_state: AppState) -> Json:
         ],
         "rest": [
             [run.first_frame, run.last_frame]
-            for run in (given.rest.frames if given.rest is not None else ())
+            for run in (drafted.rest.frames if drafted.rest is not None else ())
         ],
         "proposals": [
             {
@@ -223,7 +229,7 @@ def draft(app_state: AppState) -> Json:
                 "reason": place.reason,
                 "parts": [part_label(part) for part in place.parts],
             }
-            for place in given.places
+            for place in drafted.places
             if place.frame in to_confirm and place.frame not in hidden
         ],
     }

@@ -36,10 +36,10 @@ class Box(Solid):
         return self
 
     @classmethod
-    def like(cls, other: Solid) -> Self:
-        ends = np.array([other.half_widths(y) for y in other.span_y])
-        half = np.array([ends[:, 0].mean(), other.length_m / 2, ends[:, 1].mean()])
-        low, high = other.centre - half, other.centre + half
+    def like(cls, solid: Solid) -> Self:
+        ends = np.array([solid.half_widths(y) for y in solid.span_y])
+        half = np.array([ends[:, 0].mean(), solid.length_m / 2, ends[:, 1].mean()])
+        low, high = solid.centre - half, solid.centre + half
         return cls.model_validate({"low_m": low.tolist(), "high_m": high.tolist()})
 
     def mesh(self) -> Mesh:

@@ -31,9 +31,9 @@ class Capsule(OneRadius):
         return min(self.radius_m, self.length_m / 2)
 
     @classmethod
-    def like(cls, other: Solid) -> Self:
-        start, end = other.span_y
-        return cls(start_m=start, end_m=end, radius_m=other.width_m / 2)
+    def like(cls, solid: Solid) -> Self:
+        start, end = solid.span_y
+        return cls(start_m=start, end_m=end, radius_m=solid.width_m / 2)
 
     def mesh(self) -> Mesh:
         rings = self.wireframe().rings

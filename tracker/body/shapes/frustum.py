@@ -36,9 +36,9 @@ class Frustum(RoundSolid):
         return (1 - share) * x0 + share * x1, (1 - share) * z0 + share * z1
 
     @classmethod
-    def like(cls, other: Solid) -> Self:
-        start, end = other.span_y
-        radii = {"start_radii_m": other.half_widths(start), "end_radii_m": other.half_widths(end)}
+    def like(cls, solid: Solid) -> Self:
+        start, end = solid.span_y
+        radii = {"start_radii_m": solid.half_widths(start), "end_radii_m": solid.half_widths(end)}
         return cls.model_validate({"start_m": start, "end_m": end, **radii})
 
     def sizes(self) -> tuple[ShapeSize, ...]:
@@ -46,11 +46,11 @@ class Frustum(RoundSolid):
         given = (("start", self.start_m, *self.ends[0]), ("end", self.end_m, *self.ends[1]))
         if all(x == z for x, z in self.ends):
             return (length, *(ShapeSize(f"{n}_radius", x, (0.0, y, 0.0)) for n, y, x, _ in given))
-        found = [length]
+        shape_sizes = [length]
         for name, y, x, z in given:
-            found.append(ShapeSize(f"{name}_width", 2 * x, (x, y, 0.0)))
-            found.append(ShapeSize(f"{name}_depth", 2 * z, (0.0, y, -z)))
-        return tuple(found)
+            shape_sizes.append(ShapeSize(f"{name}_width", 2 * x, (x, y, 0.0)))
+            shape_sizes.append(ShapeSize(f"{name}_depth", 2 * z, (0.0, y, -z)))
+        return tuple(shape_sizes)
 
     def with_size(self, key: str, metres: float) -> Self:
         if key == "length":

@@ -154,6 +154,6 @@ class Cylinder(OneRadius, RoundSolid):
         return (self.radius_m, self.radius_m), (self.radius_m, self.radius_m)
 
     @classmethod
-    def like(cls, other: Solid) -> Self:
-        start, end = other.span_y
-        return cls(start_m=start, end_m=end, radius_m=other.width_m / 2)
+    def like(cls, solid: Solid) -> Self:
+        start, end = solid.span_y
+        return cls(start_m=start, end_m=end, radius_m=solid.width_m / 2)

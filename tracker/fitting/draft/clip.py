@@ -246,7 +246,7 @@ class _DraftRun:
     done: int = 0
     reported: int = 0
 
-    def run(self, seen: Observed) -> Piece:
+    def run(self, observed: Observed) -> Piece:
         """The poses of a stretch of frames, and what they were found from: left and right as
         found, or as consistent over time, whichever all terms together agree with better.
 
@@ -254,18 +254,18 @@ class _DraftRun:
         stretch was asked besides, thighs of people who squat were turned: by then 80 mm off markers
         instead of 60.
         """
-        found = self._solved(seen)
-        pixels = height_px(self.skeleton, self.camera, middle(found.motion))
-        other = consistent_sides(seen, pixels, height(self.skeleton.body))
+        solved = self._solved(observed)
+        pixels = height_px(self.skeleton, self.camera, middle(solved.motion))
+        other = consistent_sides(observed, pixels, height(self.skeleton.body))
         if other is not None:
-            found = min(found, self._solved(self.lifted(other)), key=lambda one: one.cost)
-        depth = found.problem.depth
-        if not found.seen.is_lifted:
-            found = self._turned(found)
-        found, flipped = self._without_flips(found)
-        motion = self._with_ends(found)
-        self.done += int(seen.usable.sum())
-        return Piece(found.seen, motion, depth, flipped)
+            solved = min(solved, self._solved(self.lifted(other)), key=lambda one: one.cost)
+        depth = solved.problem.depth
+        if not solved.seen.is_lifted:
+            solved = self._turned(solved)
+        solved, flipped = self._without_flips(solved)
+        motion = self._with_ends(solved)
+        self.done += int(observed.usable.sum())
+        return Piece(solved.seen, motion, depth, flipped)
 
     def _without_flips(self, found: _Solved) -> tuple[_Solved, tuple[LimbRun, ...]]:
         """Draft flipped limbs again from the poses before and after, and say which are wrong still.
@@ -306,8 +306,8 @@ class _DraftRun:
         way = pointing(joints, self.camera, p_hips, found.motion)
 
         def with_limbs(limbs: Sequence[int]) -> _Solved | None:
-            other = turned(joints, found.seen, p_hips, way.of_limbs(limbs))
-            again = None if other is None else self._solved(other)
+            observed = turned(joints, found.seen, p_hips, way.of_limbs(limbs))
+            again = None if observed is None else self._solved(observed)
             return again if again is not None and again.cost < WORSE * found.cost else None
 
         limbs = way.limbs_against
@@ -315,11 +315,11 @@ class _DraftRun:
             return again
         alone = {limb: again for limb in limbs if (again := with_limbs([limb]))}
         together = with_limbs(list(alone)) if 1 < len(alone) < len(limbs) else None
-        return together or min(alone.values(), key=lambda one: one.cost, default=found)
+        return together or min(alone.values(), key=lambda solved: solved.cost, default=found)
 
     def _solved(
         self,
-        seen: Observed,
+        observed: Observed,
         bridge: Sequence[LimbRun] = (),
         disbelieved: NDArray[np.bool_] | None = None,
     ) -> _Solved:
@@ -329,46 +329,46 @@ class _DraftRun:
         bridge: limbs that begin on the way from the pose before to the one after.
         """
         joints = Joints.of(with_free_joints(self.skeleton))
-        believed = seen if disbelieved is None else seen.without(disbelieved)
+        believed = observed if disbelieved is None else observed.without(disbelieved)
         first = self._first(joints, believed)
         believed = self._without_jumps(believed, first)
-        if (believed.known != seen.known).any():
+        if (believed.known != observed.known).any():
             anew = self.lifted(believed)
-            seen, believed = seen.with_depth_of(anew), believed.with_depth_of(anew)
+            observed, believed = observed.with_depth_of(anew), believed.with_depth_of(anew)
             first = self._first(joints, believed)
         first = bridged(joints, first, bridge)
         scene = self._scene(joints.skeleton, first)
         motion = Whole.of_joints(scene, joints, believed, first).solve(self._report)
-        return _Solved(seen, believed, Whole.of_joints(scene, joints, seen, first), motion)
+        return _Solved(observed, believed, Whole.of_joints(scene, joints, observed, first), motion)
 
-    def _without_jumps(self, seen: Observed, motion: Trajectory) -> Observed:
+    def _without_jumps(self, observed: Observed, motion: Trajectory) -> Observed:
         """What poses are found from: without keypoints that jump."""
-        return seen.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
+        return observed.without_jumps(height_px(self.skeleton, self.camera, middle(motion)))
 
-    def _with_ends(self, found: _Solved) -> Trajectory:
+    def _with_ends(self, solved: _Solved) -> Trajectory:
         """Turn head and feet; where limbs are, their keypoints do not say."""
         skeleton = turning_ends(Joints.of(self.skeleton))
         joints = Joints.of(skeleton)
         if not len(joints.ends[0]):
-            return found.motion
-        scene = self._scene(skeleton, found.motion)
-        seen = self._without_jumps(found.believed, found.motion)
-        problem = Whole.of_ends(scene, joints, seen, found.motion)
-        return problem.solve_turns(lambda done: self._report(int(found.seen.usable.sum())))
+            return solved.motion
+        scene = self._scene(skeleton, solved.motion)
+        observed = self._without_jumps(solved.believed, solved.motion)
+        problem = Whole.of_ends(scene, joints, observed, solved.motion)
+        return problem.solve_turns(lambda done: self._report(int(solved.seen.usable.sum())))
 
     def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
         return Scene.of(skeleton, self.camera, [middle(motion)], FEW_POINTS)
 
-    def _first(self, joints: Joints, seen: Observed) -> Trajectory:
+    def _first(self, joints: Joints, observed: Observed) -> Trajectory:
         poses: list[Pose | None] = []
-        joint, p_hips = slice(len(JOINTS)), seen.bridged(joints.rest)
-        if not seen.is_lifted:  # which are at the joints
+        joint, p_hips = slice(len(JOINTS)), observed.bridged(joints.rest)
+        if not observed.is_lifted:  # which are at the joints
             p_hips = joints.on_joints(p_hips)
-        for n in range(len(seen)):
+        for n in range(len(observed)):
             self._report(0)
-            given = (seen.uv[n, joint], seen.visibility[n, joint], p_hips[n])
-            poses.append(first_pose(joints, self.camera, *given) if seen.usable[n] else None)
-        return filled(seen.first_frame, poses)
+            given = (observed.uv[n, joint], observed.visibility[n, joint], p_hips[n])
+            poses.append(first_pose(joints, self.camera, *given) if observed.usable[n] else None)
+        return filled(observed.first_frame, poses)
 
     def _report(self, more: int) -> None:
         """Report that so many more frames are done; a stretch solved a second time does not go
@@ -418,13 +418,20 @@ def _nowhere() -> KeypointError:
 
 
 def _draft(work: _DraftRun, body: Body, keypoints: Keypoints, pieces: list[Piece]) -> ClipDraft:
-    found = judged(work.skeleton, work.camera, pieces)
-    if not found.frames:
+    judged_drafts = judged(work.skeleton, work.camera, pieces)
+    if not judged_drafts.frames:
         raise _nowhere()
     motions = {
         frame: piece.motion
         for piece in pieces
         for frame in range(piece.motion.first_frame, piece.motion.last_frame + 1)
     }
-    poses = {frame: motions[frame].pose(frame) for frame in found.frames}
-    return ClipDraft(body, poses, keypoints, found.proposals(), found, found.flipped_drafts())
+    poses = {frame: motions[frame].pose(frame) for frame in judged_drafts.frames}
+    return ClipDraft(
+        body,
+        poses,
+        keypoints,
+        judged_drafts.proposals(),
+        judged_drafts,
+        judged_drafts.flipped_drafts(),
+    )

@@ -213,7 +213,7 @@ def _up_to(own: Array, change: Array) -> Array:
     return out
 
 
-def turned(joints: Joints, seen: Observed, p_hips: Array, found: Pointing) -> Observed | None:
+def turned(joints: Joints, observed: Observed, p_hips: Array, found: Pointing) -> Observed | None:
     """Turn bones to the other side where they were drafted against their signs; None where none
     was. p_hips: (N, 12, 3) of the joints, finite.
     """
@@ -228,9 +228,9 @@ def turned(joints: Joints, seen: Observed, p_hips: Array, found: Pointing) -> Ob
         depth[:, bone.far] = depth[:, bone.near] + estimated
     p[..., 2] = depth
     joint = slice(len(p[0]))
-    every = seen.p_hips.copy()
-    every[:, joint] = np.where(seen.known[:, joint, None], p, every[:, joint])
-    return replace(seen, p_hips=every)
+    every = observed.p_hips.copy()
+    every[:, joint] = np.where(observed.known[:, joint, None], p, every[:, joint])
+    return replace(observed, p_hips=every)
 
 
 SIDE_CHANGE: Final = 0.05
@@ -251,25 +251,25 @@ _STATES = np.array(list(product(WAYS, repeat=2)))
 """(9, 2) the ways of arms and legs."""
 
 
-def consistent_sides(seen: Observed, height_px: float, height_m: float) -> Observed | None:
+def consistent_sides(observed: Observed, height_px: float, height_m: float) -> Observed | None:
     """Exchange arms and legs where they jump from side to side; None where they do not.
 
     height_px, height_m: of the body.
     """
-    where = np.concatenate([seen.uv / height_px, seen.p_hips[..., 2:] / height_m], axis=-1)
-    where[~seen.known] = np.nan
-    own = AGAINST[_STATES].sum(axis=1) + _crossed(seen)
-    steps = np.zeros((len(seen) - 1, len(_STATES), len(_STATES)))
+    where = np.concatenate([observed.uv / height_px, observed.p_hips[..., 2:] / height_m], axis=-1)
+    where[~observed.known] = np.nan
+    own = AGAINST[_STATES].sum(axis=1) + _crossed(observed)
+    steps = np.zeros((len(observed) - 1, len(_STATES), len(_STATES)))
     for k, group in enumerate((_ARMS, _LEGS)):
         before, now = _STATES[:, None, k], _STATES[None, :, k]
         steps += SIDE_CHANGE * (before != now) + _group_jumps(where, group)[:, before, now]
     states = _STATES[_least_way(own, steps)]
-    return _exchanged(seen, states) if states.any() else None
+    return _exchanged(observed, states) if states.any() else None
 
 
-def _crossed(seen: Observed) -> Array:
+def _crossed(observed: Observed) -> Array:
     """(N, 9) by frame and state."""
-    straight = trunk_straightness(JOINTS, seen.p_hips[:, : len(JOINTS)])
+    straight = trunk_straightness(JOINTS, observed.p_hips[:, : len(JOINTS)])
     assert straight is not None
     cosine = np.nan_to_num(straight)
     turned = _STATES == EXCHANGED
@@ -321,9 +321,9 @@ def _least_way(own: Array, steps: Array) -> NDArray[np.int64]:
     return states
 
 
-def _exchanged(seen: Observed, states: NDArray[np.int64]) -> Observed:
+def _exchanged(observed: Observed, states: NDArray[np.int64]) -> Observed:
     """Exchange arms and legs as states (N, 2) say."""
-    places = np.tile(np.arange(len(POINTS)), (len(seen), 1))
+    places = np.tile(np.arange(len(POINTS)), (len(observed), 1))
     labels = places.copy()
     for group, ways in zip((_ARMS, _LEGS), states.T, strict=True):
         for order, joints, rows in (
@@ -333,12 +333,12 @@ def _exchanged(seen: Observed, states: NDArray[np.int64]) -> Observed:
         ):
             here = np.ix_(rows, joints)
             order[here] = _other(order[here])
-    every = np.arange(len(seen))[:, None]
-    known = seen.known[every, places] & seen.known[every, labels]
+    every = np.arange(len(observed))[:, None]
+    known = observed.known[every, places] & observed.known[every, labels]
     return replace(
-        seen,
-        uv=seen.uv[every, places],
+        observed,
+        uv=observed.uv[every, places],
         known=known,
-        visibility=np.where(known, seen.visibility[every, labels], 0.0),
-        p_hips=seen.p_hips[every, labels],
+        visibility=np.where(known, observed.visibility[every, labels], 0.0),
+        p_hips=observed.p_hips[every, labels],
     )

@@ -63,27 +63,27 @@ class LimbRun:
     def rows(self) -> slice:
         return slice(self.first, self.last + 1)
 
-    def overlaps(self, other: LimbRun) -> bool:
+    def overlaps(self, limb_run: LimbRun) -> bool:
         """Whether both have rows in common."""
-        return self.first <= other.last and other.first <= self.last
+        return self.first <= limb_run.last and limb_run.first <= self.last
 
 
 def flipped_runs(
-    joints: Joints, camera: Camera, seen: Observed, motion: Trajectory
+    joints: Joints, camera: Camera, observed: Observed, motion: Trajectory
 ) -> tuple[LimbRun, ...]:
     """The limbs of a motion that lie far beside keypoints that are believed, for long or turned
     away from the poses before and after: where a pose stays on its way, a keypoint alone is wrong.
 
     camera: ideal.
     """
-    away = misses(joints, camera, seen, motion)
+    away = misses(joints, camera, observed, motion)
     far = {
         k: np.nan_to_num(away[:, _outer(limb)]).max(axis=1) > FAR
         for k, limb in enumerate(joints.limbs)
     }
-    found = [LimbRun(k, first, last) for k in far for first, last in _runs(far[k])]
+    limb_runs = [LimbRun(k, first, last) for k in far for first, last in _runs(far[k])]
     flipped = []
-    for run in found:
+    for run in limb_runs:
         is_far = far[run.limb][run.rows].sum() > LONGEST // 2
         for tried in (run, _to_the_end(run, len(motion))):
             if is_far or _turned_deg(joints, motion, tried) > TURNED_DEG:
@@ -100,16 +100,16 @@ def _to_the_end(run: LimbRun, count: int) -> LimbRun:
     return replace(run, last=count - 1) if run.last >= count - 1 - AT_END else run
 
 
-def misses(joints: Joints, camera: Camera, seen: Observed, motion: Trajectory) -> Array:
+def misses(joints: Joints, camera: Camera, observed: Observed, motion: Trajectory) -> Array:
     """(N, 12) how far joints lie beside their keypoints, as a share of the body's height, the less
     the less sure these are; NaN where unknown."""
     skeleton, every = joints.skeleton, slice(len(JOINTS))
     uv = image_points(camera, joints.seen.at(motion.transforms(skeleton)))
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
-    away = np.linalg.norm(uv - seen.uv[:, every], axis=-1) / heights[:, None]
-    known = seen.known[:, every] & seen.usable[:, None]
-    return np.where(known, away / keypoint_blur(seen.visibility[:, every]), np.nan)
+    away = np.linalg.norm(uv - observed.uv[:, every], axis=-1) / heights[:, None]
+    known = observed.known[:, every] & observed.usable[:, None]
+    return np.where(known, away / keypoint_blur(observed.visibility[:, every]), np.nan)
 
 
 def _runs(far: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
@@ -170,7 +170,7 @@ def can_be_bridged(
         for run in runs
         if run.first > 0
         and run.last < len(motion) - 1
-        and sum(run.overlaps(other) for other in runs) <= MOST_LIMBS
+        and sum(run.overlaps(limb_run) for limb_run in runs) <= MOST_LIMBS
         and _across_deg(joints, motion, run) < ACROSS_DEG
     )
 

@@ -128,7 +128,7 @@ class JudgedDrafts:
         }
         stretches = [one for s in self.stretches if (one := _sound_part(s, frames)) is not None]
         found = proposed(frames, stretches, doubts, self.parts, self.joints[sound])
-        return tuple(sorted((*found, *self._to_correct()), key=lambda one: one.frame))
+        return tuple(sorted((*found, *self._to_correct()), key=lambda proposal: proposal.frame))
 
     def _to_correct(self) -> Iterator[Proposal]:
         for run in self.flipped_drafts():
@@ -197,24 +197,24 @@ _SHAPES: Final = {
 
 
 def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
-    skeleton, (seen, motion, depth_m, flipped) = joints.skeleton, piece
+    skeleton, (observed, motion, depth_m, flipped) = joints.skeleton, piece
     Ts = motion.transforms(skeleton)
     p = joints.seen.at(Ts)
     uv = image_points(camera, p)
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     joint = slice(len(JOINTS))
-    away = np.linalg.norm(uv - seen.uv[:, joint], axis=-1) / heights[:, None]
-    away = np.where(seen.known[:, joint], away, np.nan)
-    good = seen.usable & (Ts[:, :, 2, 3].min(axis=1) > NEAREST_M)
+    away = np.linalg.norm(uv - observed.uv[:, joint], axis=-1) / heights[:, None]
+    away = np.where(observed.known[:, joint], away, np.nan)
+    good = observed.usable & (Ts[:, :, 2, 3].min(axis=1) > NEAREST_M)
     good[good] &= np.nanmedian(away[good], axis=1) < POOR
     rows = np.flatnonzero(good)
     limbs = [[limb.upper.near, limb.upper.far, limb.lower.far] for limb in joints.limbs]
     own = np.stack([_mean(away[:, limb]) for limb in limbs], axis=1)
-    hidden = np.stack([1 - seen.visibility[:, limb].min(axis=1) for limb in limbs], axis=1)
+    hidden = np.stack([1 - observed.visibility[:, limb].min(axis=1) for limb in limbs], axis=1)
     flips = flip_doubts(joints, camera, depth_m, motion)
     numbers = tuple((rows + motion.first_frame).tolist())
-    begins: Reason = "person" if seen.jumped[0] else "start"
+    begins: Reason = "person" if observed.jumped[0] else "start"
     whole = (FrameRange(numbers[0], numbers[-1], begins),) if numbers else ()
     hips = [place_of(side, "hip") for side in SIDES]
     from_hips = (p - p[:, hips].mean(axis=1, keepdims=True)) / height(skeleton.body)

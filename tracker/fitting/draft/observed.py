@@ -91,8 +91,8 @@ class Joints:
         points = BodyPoints.single(skeleton, parts, places)
         rest = points.at(pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
         limbs = tuple(_limb(body, parts, side, names) for names in LIMBS for side in SIDES)
-        seen = BodyPoints.single(skeleton, parts, places - _nearer(places))
-        return cls(skeleton, parts, points, seen, rest, limbs, _ends(skeleton))
+        body_points = BodyPoints.single(skeleton, parts, places - _nearer(places))
+        return cls(skeleton, parts, points, body_points, rest, limbs, _ends(skeleton))
 
     def length_m(self, bone: Bone) -> float:
         """The length of a bone on this body."""
@@ -140,11 +140,11 @@ def turning_ends(joints: Joints) -> Skeleton:
     """The body with those parts alone free to turn that carry `ENDS`."""
     body = joints.skeleton.body
     ends = {body.names[part] for place in joints.ends[1].points for part, _ in place}
-    some = (
+    parts = (
         part.model_copy(update={"tracked": ROTATIONS if part.name in ends else ()})
         for part in body.parts
     )
-    return Skeleton.of(body.replaced(some))
+    return Skeleton.of(body.replaced(parts))
 
 
 def _ends(skeleton: Skeleton) -> tuple[NDArray[np.int64], BodyPoints]:
@@ -270,9 +270,9 @@ class Observed:
         known = self.known & ~disbelieved
         return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
 
-    def with_depth_of(self, other: Observed) -> Observed:
+    def with_depth_of(self, observed: Observed) -> Observed:
         """Take over where keypoints are in space."""
-        return replace(self, p_hips=other.p_hips, depth_sigma_m=other.depth_sigma_m)
+        return replace(self, p_hips=observed.p_hips, depth_sigma_m=observed.depth_sigma_m)
 
     def keypoints(self) -> Keypoints:
         """The same as keypoints of an ideal lens, unseen where unknown."""

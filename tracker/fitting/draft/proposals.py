@@ -92,12 +92,12 @@ def _frames_over_doubt_limit(
     frames: list[int], doubts: Mapping[Reason, Array], parts: tuple[str, ...]
 ) -> list[Proposal]:
     """Everything above its limit, the worst first."""
-    found = []
+    proposals = []
     for reason, values in doubts.items():
         ratio = values / POOR[reason]
         for n in np.flatnonzero(ratio.max(axis=1, initial=0.0) >= 1.0):
             about = tuple(p for p, r in zip(parts, ratio[n], strict=True) if r >= 1.0)
             whole = len(about) == len(parts)
             score = round(float(ratio[n].max()), 6)
-            found.append(Proposal(frames[n], reason, () if whole else about, score))
-    return sorted(found, key=lambda p: (-p.score, p.frame, p.reason))
+            proposals.append(Proposal(frames[n], reason, () if whole else about, score))
+    return sorted(proposals, key=lambda p: (-p.score, p.frame, p.reason))

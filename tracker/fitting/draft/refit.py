@@ -79,13 +79,13 @@ def refit_drafts(
     changes: frames from which on the keypoints may be another person's than before.
     KeypointError for keypoints without depth and for a body that is no person's.
     """
-    observed, known = Observed.of(keypoints, camera, changes), {**drafts, **posed}
+    observed, poses = Observed.of(keypoints, camera, changes), {**drafts, **posed}
     skeleton = _free(Skeleton.of(body))
     found: dict[int, Pose] = {}
-    for frames in _stretches(observed, known, around):
+    for frames in _stretches(observed, poses, around):
         if any(frame in drafts for frame in frames) and any(frame in posed for frame in frames):
             rows = slice(frames.start - observed.first_frame, frames.stop - observed.first_frame)
-            work = _PosedRun(skeleton, camera.without_distortion(), observed.rows(rows), known)
+            work = _PosedRun(skeleton, camera.without_distortion(), observed.rows(rows), poses)
             motion = work.solved([frame for frame in frames if frame in posed])
             found |= {frame: motion.pose(frame) for frame in frames if frame in drafts}
     return {
@@ -98,15 +98,15 @@ def refit_drafts(
 def _free(skeleton: Skeleton) -> Skeleton:
     """Free the joints that keypoints determine; clavicles stay as they are, as in every draft."""
     body = with_free_joints(skeleton).body
-    some = (
+    parts = (
         part.model_copy(update={"tracked": ()}) if part.name.endswith("_clavicle") else part
         for part in body.parts
     )
-    return Skeleton.of(body.replaced(some))
+    return Skeleton.of(body.replaced(parts))
 
 
 def _stretches(
-    observed: Observed, known: Mapping[int, Pose], around: Collection[int]
+    observed: Observed, poses: Mapping[int, Pose], around: Collection[int]
 ) -> Iterator[range]:
     """Frames that show one person, from one with a pose to another, around those that are new."""
     for run in observed.runs():
@@ -114,7 +114,7 @@ def _stretches(
         new = [frame for frame in around if frame in own]
         if new:
             near = range(min(new) - LEARN_FRAMES, max(new) + LEARN_FRAMES + 1)
-            frames = [frame for frame in own if frame in near and frame in known]
+            frames = [frame for frame in own if frame in near and frame in poses]
             if len(frames) > 1:
                 yield range(frames[0], frames[-1] + 1)
 
@@ -140,12 +140,12 @@ class _PosedRun:
         ends = {0: frames.start - 1, len(frames) - 1: frames.stop}
         stay = {*posed_rows, *(row for row, beyond in ends.items() if beyond in self.known)}
         joints = Joints.of(self.skeleton)
-        seen = self._without_jumps(joints, first)
-        motion = self._limbs(joints, seen, first, posed_rows, stay).solve(_ignored)
+        observed = self._without_jumps(joints, first)
+        motion = self._limbs(joints, observed, first, posed_rows, stay).solve(_ignored)
         turning = Joints.of(turning_ends(joints))
         if not len(turning.ends[0]):
             return motion
-        return self._ends(turning, seen, first, motion, posed_rows, stay).solve_turns(_ignored)
+        return self._ends(turning, observed, first, motion, posed_rows, stay).solve_turns(_ignored)
 
     def _without_jumps(self, joints: Joints, first: Trajectory) -> Observed:
         """Left and right as the poses have them, without keypoints that jump."""
@@ -155,22 +155,22 @@ class _PosedRun:
         if other is not None:
             ways.append(other)
         scene = self._scene(self.skeleton, first)
-        costs = [Whole.of_joints(scene, joints, seen, first).cost(first) for seen in ways]
+        costs = [Whole.of_joints(scene, joints, observed, first).cost(first) for observed in ways]
         return ways[int(np.argmin(costs))].without_jumps(pixels)
 
     def _limbs(
         self,
         joints: Joints,
-        seen: Observed,
+        observed: Observed,
         first: Trajectory,
         posed_rows: list[int],
         stay: set[int],
     ) -> Whole:
         columns = np.arange(len(JOINTS))
-        seen = self._corrected(seen, columns, joints.seen, first, posed_rows)
+        observed = self._corrected(observed, columns, joints.seen, first, posed_rows)
         scene = self._scene(joints.skeleton, first)
-        depth = self._depth(seen, joints.seen, first, posed_rows)
-        plain = Whole.of_joints(scene, joints, seen, first)
+        depth = self._depth(observed, joints.seen, first, posed_rows)
+        plain = Whole.of_joints(scene, joints, observed, first)
         depth_scale = np.where(np.isfinite(depth), plain.depth_scale, 0.0)
         return replace(
             plain,
@@ -182,7 +182,7 @@ class _PosedRun:
     def _ends(
         self,
         joints: Joints,
-        seen: Observed,
+        observed: Observed,
         first: Trajectory,
         motion: Trajectory,
         posed_rows: list[int],
@@ -190,9 +190,9 @@ class _PosedRun:
     ) -> Whole:
         """Head and feet; what was posed says where on them the network sees points."""
         columns, points = joints.ends
-        seen = self._corrected(seen, columns, points, first, posed_rows)
+        observed = self._corrected(observed, columns, points, first, posed_rows)
         scene = self._scene(joints.skeleton, motion)
-        plain = Whole.of_ends(scene, joints, seen, motion)
+        plain = Whole.of_ends(scene, joints, observed, motion)
         return replace(plain, keep=_held(scene, plain.keep, len(motion), stay))
 
     def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
@@ -200,7 +200,7 @@ class _PosedRun:
 
     def _corrected(
         self,
-        seen: Observed,
+        observed: Observed,
         columns: NDArray[np.int64],
         points: BodyPoints,
         first: Trajectory,
@@ -210,31 +210,33 @@ class _PosedRun:
         are off.
         """
         Ts = first.transforms(self.skeleton)
-        p, uv = points.at(Ts), seen.uv.copy()
+        p, uv = points.at(Ts), observed.uv.copy()
         at = image_points(self.camera, p)
         for k, column in enumerate(columns.tolist()):
-            rows = [n for n in posed_rows if seen.known[n, column]]
-            rows = [n for n in rows if seen.visibility[n, column] > SEEN]
+            rows = [n for n in posed_rows if observed.known[n, column]]
+            rows = [n for n in rows if observed.visibility[n, column] > SEEN]
             if not rows:
                 continue
             ((part, _),) = points.points[k]
             axes = np.swapaxes(Ts[:, part, :3, :3], -1, -2)
             slopes = np.swapaxes(image_jacobian(self.camera, p[:, k], axes), -1, -2)
             pixel_m = self.camera.depth(p[rows, k]) / self.camera.fy
-            missed = seen.uv[rows, column] - at[rows, k]
+            missed = observed.uv[rows, column] - at[rows, k]
             uv[:, column] -= slopes @ learned_place(slopes[rows], missed, pixel_m)
-        return replace(seen, uv=uv)
+        return replace(observed, uv=uv)
 
     def _depth(
-        self, seen: Observed, points: BodyPoints, first: Trajectory, posed_rows: list[int]
+        self, observed: Observed, points: BodyPoints, first: Trajectory, posed_rows: list[int]
     ) -> Array:
         """(N, 12) metres farther than the root; NaN where nothing shows it."""
         own = points.at(first.transforms(self.skeleton))[..., 2] - first.ps_camera_root[:, 2:]
-        p = in_camera(self.camera, seen) if seen.is_lifted else seen.p_hips
+        p = in_camera(self.camera, observed) if observed.is_lifted else observed.p_hips
         depth = p[:, : len(JOINTS), 2].copy()
         for k in range(len(JOINTS)):
             rows = [
-                n for n in posed_rows if np.isfinite(depth[n, k]) and seen.visibility[n, k] > SEEN
+                n
+                for n in posed_rows
+                if np.isfinite(depth[n, k]) and observed.visibility[n, k] > SEEN
             ]
             if rows:
                 depth[:, k] += learned_depth(own[rows, k] - depth[rows, k])

@@ -144,8 +144,8 @@ class Whole:
         while True:
             end = min(start + WINDOW, len(self))
             rows = slice(start, end)
-            found = self._window(rows, R[rows], t[rows], step)
-            R[rows], t[rows] = found.Rs_parent_part, found.ps_camera_root
+            trajectory = self._window(rows, R[rows], t[rows], step)
+            R[rows], t[rows] = trajectory.Rs_parent_part, trajectory.ps_camera_root
             if end == len(self):
                 return Trajectory(self.first.first_frame, R, t)
             start = end - OVERLAP

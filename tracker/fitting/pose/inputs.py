@@ -173,11 +173,13 @@ def textures_near(
     else:
         tracked_near = []
     weight = 1.0 / max(1, len(keyframes) + len(tracked_near))
-    found = [texture_of(inputs.scene, _pictures(inputs.loader, f), p, weight) for p, f in keyframes]
+    textures = [
+        texture_of(inputs.scene, _pictures(inputs.loader, f), p, weight) for p, f in keyframes
+    ]
     for pose, frame in tracked_near:
         texture = texture_of(inputs.scene, _pictures(inputs.loader, frame), pose, weight)
-        found.append(without_parts(texture, wrong))
-    return [texture for texture in found if texture.starts[0][-1] > 0]
+        textures.append(without_parts(texture, wrong))
+    return [texture for texture in textures if texture.starts[0][-1] > 0]
 
 
 def _is_independent(inputs: FitInputs, tracked: Mapping[int, Pose]) -> bool:

@@ -77,9 +77,9 @@ class Joints:
         if seen is None:
             return None
         keyed = [
-            (pose, found)
+            (pose, keypoints)
             for frame, pose in near.items()
-            if (found := source.at(frame, scene.skeleton, pose)) is not None
+            if (keypoints := source.at(frame, scene.skeleton, pose)) is not None
         ]
         camera = inputs.loader.camera
         term = frame_anchors(scene, camera, seen, keyframe.pose, keyed, Cauchy())
@@ -179,17 +179,19 @@ def fit_pose_to_picture(
         if by_joints is None:
             return unchanged(NOTHING_BETTER)
         return _as_fitted(inputs, by_joints, "joints")
-    found = _best_candidate(inputs, outline, near, tracked, cancelled)
+    candidate = _best_candidate(inputs, outline, near, tracked, cancelled)
     if cancelled():
         return unchanged(CANCELLED)
-    if found is None:
+    if candidate is None:
         return unchanged(
             "No other keyframe is near, and the body’s colours are too close to the background’s. "
             "Pose unchanged."
         )
-    if not _is_better(inputs, found.match, outline, found.refined.pose):
+    if not _is_better(inputs, candidate.match, outline, candidate.refined.pose):
         return unchanged(NOTHING_BETTER)
-    return _as_fitted(inputs, found.refined, "outline" if found.match is None else "neighbours")
+    return _as_fitted(
+        inputs, candidate.refined, "outline" if candidate.match is None else "neighbours"
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,10 +285,12 @@ def _fit_from_starts(
     alone = [refine(inputs.keyframe, start, match, None, cancelled).pose for start in starts]
     starts = [min(alone, key=lambda pose: _cost(inputs, match, pose))]
     starts += [] if outlined is None else [outlined.pose]
-    found = [refine(inputs.keyframe, s, match, outline, cancelled, coarsest=1) for s in starts]
-    costs = [_cost(inputs, match, refined.pose) for refined in found]
+    refined_poses = [
+        refine(inputs.keyframe, s, match, outline, cancelled, coarsest=1) for s in starts
+    ]
+    costs = [_cost(inputs, match, refined.pose) for refined in refined_poses]
     least = int(np.argmin(costs))
-    return _Candidate(found[least], match, costs[least])
+    return _Candidate(refined_poses[least], match, costs[least])
 
 
 def _start_poses(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:

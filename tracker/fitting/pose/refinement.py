@@ -248,12 +248,12 @@ def refine(
         if match is not None:
             match.reset_noise(level)
         criteria = replace(UNJUDGED, most_steps=SOLVES[level], settled=5e-4, longest_step=0.1)
-        found = least_squares(
+        solution = least_squares(
             _PictureProblem(keyframe, match, outlined, joints, level), pose, criteria, cancelled
         )
-        if found.solved is None or found.end in ("cancelled", "unsolvable"):
+        if solution.solved is None or solution.end in ("cancelled", "unsolvable"):
             return RefinedPose(keyframe.pose, np.zeros_like(evidence.A))
-        pose, evidence = found.state, found.solved.evidence
+        pose, evidence = solution.state, solution.solved.evidence
     return RefinedPose(pose, evidence.A)
 
 

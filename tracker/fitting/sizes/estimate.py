@@ -64,7 +64,9 @@ def estimate(
         shared, spread = result.shared, result.spread
         if not number:
             observable = spread < OBSERVABLE_SHARE
-            enough = bool(np.mean([len(some.parts) for some in found.values()]) >= FEWEST_POINTS)
+            enough = bool(
+                np.mean([len(residuals.parts) for residuals in found.values()]) >= FEWEST_POINTS
+            )
         fit = replace(fit, share=_favour_few(fit, shared)) if fit.free[:-2].all() else fit
     return Estimate(shared, spread, observable, enough)
 

@@ -37,15 +37,15 @@ class SizesFound:
     telephoto: bool
 
 
-def describe_sizes(found: SizesFound) -> str:
+def describe_sizes(sizes_found: SizesFound) -> str:
     """A few sentences for a person."""
-    if not found.enough:
+    if not sizes_found.enough:
         return "The images do not show the body’s outline well enough. Sizes unchanged."
-    if found.implausible.any() and not found.changed.any():
+    if sizes_found.implausible.any() and not sizes_found.changed.any():
         return UNLIKELY
-    sentences = [_changed(found)]
-    names = found.proportions.names
-    unobservable = _unobservable(found)
+    sentences = [_changed(sizes_found)]
+    names = sizes_found.proportions.names
+    unobservable = _unobservable(sizes_found)
     left = [
         f"{what} of {_listed(some)}"
         for k, what in enumerate(WHAT)
@@ -55,43 +55,44 @@ def describe_sizes(found: SizesFound) -> str:
         text = " and ".join(left)
         sentences.append(f"{text[:1].upper()}{text[1:]} could not be estimated. Unchanged.")
     implausible = [
-        f"{readable(found.proportions.names[s // 2])}'s {WHAT[s % 2]}"
-        for s in np.flatnonzero(found.implausible[:-2]).tolist()
+        f"{readable(sizes_found.proportions.names[s // 2])}'s {WHAT[s % 2]}"
+        for s in np.flatnonzero(sizes_found.implausible[:-2]).tolist()
     ]
     if implausible:
         sentences.append(
             f"The best fit of the {_listed(implausible)} was unrealistic, so it was not used. "
             "Set it by hand."
         )
-    if found.focal_asked:
-        sentences.append(_focal(found))
+    if sizes_found.focal_asked:
+        sentences.append(_focal(sizes_found))
     return " ".join(sentences)
 
 
-def size_changes(found: SizesFound) -> tuple[tuple[str, str, float, float], ...]:
+def size_changes(sizes_found: SizesFound) -> tuple[tuple[str, str, float, float], ...]:
     """(part, what, before, after) of every size that changed, centimetres."""
-    before = 100 * found.proportions.metres()
-    after = before * np.exp(found.shared.sizes)
+    before = 100 * sizes_found.proportions.metres()
+    after = before * np.exp(sizes_found.shared.sizes)
     return tuple(
-        (found.proportions.names[s // 2], WHAT[s % 2], float(before[s]), float(after[s]))
-        for s in np.flatnonzero(found.changed[:-2]).tolist()
+        (sizes_found.proportions.names[s // 2], WHAT[s % 2], float(before[s]), float(after[s]))
+        for s in np.flatnonzero(sizes_found.changed[:-2]).tolist()
     )
 
 
-def unseen_parts(found: SizesFound) -> tuple[str, ...]:
+def unseen_parts(sizes_found: SizesFound) -> tuple[str, ...]:
     """Parts whose length the pictures do not determine."""
-    unseen = np.flatnonzero(_unobservable(found)[:-2:2])
-    return tuple(found.proportions.names[g] for g in unseen)
+    unseen = np.flatnonzero(_unobservable(sizes_found)[:-2:2])
+    return tuple(sizes_found.proportions.names[g] for g in unseen)
 
 
-def _unobservable(found: SizesFound) -> NDArray[np.bool_]:
-    return ~(found.observable | found.changed | found.implausible)
+def _unobservable(sizes_found: SizesFound) -> NDArray[np.bool_]:
+    return ~(sizes_found.observable | sizes_found.changed | sizes_found.implausible)
 
 
-def _changed(found: SizesFound) -> str:
+def _changed(sizes_found: SizesFound) -> str:
+    names, sizes = sizes_found.proportions.names, sizes_found.shared.sizes
     some = [
-        f"{readable(found.proportions.names[s // 2])} {_by(found.shared.sizes[s], s % 2)}"
-        for s in np.flatnonzero(found.changed[:-2]).tolist()
+        f"{readable(names[s // 2])} {_by(sizes[s], s % 2)}"
+        for s in np.flatnonzero(sizes_found.changed[:-2]).tolist()
     ]
     if not some:
         return NO_GAIN
@@ -108,14 +109,14 @@ def _by(size: float, what: int) -> str:
     return f"{percent:.0f} % {(MORE if size > 0 else LESS)[what]}"
 
 
-def _focal(found: SizesFound) -> str:
-    if found.telephoto:
+def _focal(sizes_found: SizesFound) -> str:
+    if sizes_found.telephoto:
         return "A telephoto camera has no focal length to estimate."
-    if found.implausible[-2]:
+    if sizes_found.implausible[-2]:
         return "The best focal length was unrealistic, so it was not used."
-    if not found.changed[-2]:
+    if not sizes_found.changed[-2]:
         return "The focal length could not be estimated. Unchanged."
-    percent = 100 * np.expm1(found.shared.values[-2])
+    percent = 100 * np.expm1(sizes_found.shared.values[-2])
     return f"The focal length is {abs(percent):.0f} % {'longer' if percent > 0 else 'shorter'}."
 
 

@@ -82,28 +82,28 @@ class KeyframePictures:
     def _colours(self) -> ColourModels:
         return self.pictures.colour_models(contours(self.fit, self.as_posed, self.looked), self.fit)
 
-    def alone(self, found: SizesFound) -> Proposal | None:
+    def alone(self, sizes_found: SizesFound) -> Proposal | None:
         """The sizes fitted again with every pose as it was set."""
-        free = found.changed.copy()
+        free = sizes_found.changed.copy()
         free[-2:] = False
         fit = replace(self.fit, free=free, poses_free=False, trunk_rad=STIFF_RAD)
         focal = np.zeros(len(free))
-        focal[-2] = found.shared.values[-2] * found.changed[-2]
+        focal[-2] = sizes_found.shared.values[-2] * sizes_found.changed[-2]
         start = fit.with_step(self.as_posed, focal)
         again = estimate(fit, start, self.pictures, self.looked, ROUNDS_PX, self.cancelled)
         if again is None:
             return None
-        low, high = (pick(found.shared.values, 0.0) for pick in (np.minimum, np.maximum))
+        low, high = (pick(sizes_found.shared.values, 0.0) for pick in (np.minimum, np.maximum))
         values = np.clip(again.shared.values, low, high)  # not away from those found with poses
-        return self._proposal(found, replace(again.shared, values=values))
+        return self._proposal(sizes_found, replace(again.shared, values=values))
 
     def with_poses(
-        self, found: SizesFound, Ts_world_camera: Array, up: Sequence[float]
+        self, sizes_found: SizesFound, Ts_world_camera: Array, up: Sequence[float]
     ) -> Proposal | None:
         """The sizes found, and the limbs posed for them."""
-        free = np.zeros_like(found.changed)
+        free = np.zeros_like(sizes_found.changed)
         fit = replace(self.fit, free=free, trunk_rad=STIFF_RAD, turns_rad=PROPOSED_RAD)
-        start = fit.with_step(self.as_posed, found.shared.values)
+        start = fit.with_step(self.as_posed, sizes_found.shared.values)
         again = estimate(fit, start, self.pictures, self.looked, ROUNDS_PX, self.cancelled)
         if again is None:
             return None
@@ -111,11 +111,11 @@ class KeyframePictures:
             self._as_set(pose, s) for pose, s in zip(again.shared.poses, start.poses, strict=True)
         ]
         before = _floating(self.fit.proportions.body, self.fit.posed, Ts_world_camera, up)
-        body = self.fit.proportions.body_at(found.shared.sizes)
+        body = self.fit.proportions.body_at(sizes_found.shared.sizes)
         for share in LESS:
             poses = [_between(s, p, share) for s, p in zip(start.poses, posed, strict=True)]
             if _floating(body, poses, Ts_world_camera, up) <= before + FLOATING_M:
-                return self._proposal(found, Shared(found.shared.values, tuple(poses)))
+                return self._proposal(sizes_found, Shared(sizes_found.shared.values, tuple(poses)))
         return None
 
     def _as_set(self, pose: Pose, start: Pose) -> Pose:
@@ -125,17 +125,17 @@ class KeyframePictures:
             np.where(is_trunk, start.Rs_parent_part, pose.Rs_parent_part), pose.p_camera_root
         )
 
-    def _proposal(self, found: SizesFound, shared: Shared) -> Proposal | None:
+    def _proposal(self, sizes_found: SizesFound, shared: Shared) -> Proposal | None:
         error = self._error(shared)
         if not error < BETTER * self.error_before:
             return None
-        posed = replace(found, shared=shared)
+        posed = replace(sizes_found, shared=shared)
         turns = {
             frame: some
             for frame, before, after in zip(self.frames, self.fit.posed, shared.poses, strict=True)
             if (some := self._turns(before, after))
         }
-        camera = shared.focus(self.camera) if found.changed[-2] else self.camera
+        camera = shared.focus(self.camera) if sizes_found.changed[-2] else self.camera
         return Proposal(
             self.fit.proportions.body_at(shared.sizes),
             camera,

@@ -160,10 +160,10 @@ class Solved:
 def solve(fit: SharedFit, start: Shared, rows: Sequence[Residuals], steps: int) -> Solved:
     """A few steps downhill from a start; one that makes things worse is shortened or not taken."""
     few = replace(USUAL, most_steps=steps, most_tries=5, longest_step=0.2)
-    found = least_squares(_SizesProblem(fit, rows), start, few)
-    last = found.solved
-    spread = np.zeros(len(start.values)) if last is None else last.spread(found.damping)
-    return Solved(found.state, spread)
+    solution = least_squares(_SizesProblem(fit, rows), start, few)
+    last = solution.solved
+    spread = np.zeros(len(start.values)) if last is None else last.spread(solution.damping)
+    return Solved(solution.state, spread)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +195,10 @@ class _Iterate:
 
     @cached_property
     def _normal_blocks(self) -> list[Array]:
-        return [_normal_block(self.fit, self.shared, k, some) for k, some in enumerate(self.rows)]
+        return [
+            _normal_block(self.fit, self.shared, k, residuals)
+            for k, residuals in enumerate(self.rows)
+        ]
 
     def step(self, damping: float) -> Array | None:
         A, b, shares = _marginalise_poses(self.fit, self.shared, self._normal_blocks, damping)
@@ -273,9 +276,11 @@ def _solve_arrow(free: NDArray[np.bool_], A: Array, b: Array, shares: Sequence[A
 def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> float:
     """Half the sum of squares, those of the rows robust; infinite behind the camera."""
     total = shared.values @ fit.precision @ shared.values
-    for k, some in enumerate(rows):
+    for k, residuals in enumerate(rows):
         prior = total_cost(_prior_terms(fit, shared, k), _posed_body(fit, shared, k))
-        away = (some.along(fit.pixels(shared, k, some)) - some.target) / some.sigma_px
+        away = (
+            residuals.along(fit.pixels(shared, k, residuals)) - residuals.target
+        ) / residuals.sigma_px
         if not np.isfinite(away).all():
             return np.inf
         total += 2 * prior + KERNEL.loss(away).sum()

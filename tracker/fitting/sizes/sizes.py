@@ -108,22 +108,22 @@ def fit_sizes(
     fit = _set_up(
         body, size.camera(camera), [keyposes[frame] for frame in frames], path.zoom, focal
     )
-    found = _find_sizes(fit, pictures, looked.tolist(), focal, cancelled)
-    if found is None:
+    sizes_found = _find_sizes(fit, pictures, looked.tolist(), focal, cancelled)
+    if sizes_found is None:
         return SizesFitted("Fitting was cancelled.")
-    if not found.changed.any():
-        return SizesFitted(describe_sizes(found), unseen=unseen_parts(found))
+    if not sizes_found.changed.any():
+        return SizesFitted(describe_sizes(sizes_found), unseen=unseen_parts(sizes_found))
     look = KeyframePictures(
         fit, camera, pictures, looked.tolist(), frames, 2.0**size.halvings, cancelled
     )
-    alone = look.alone(found)
-    with_poses = look.with_poses(found, path.Ts_world_camera, up or UP_CAMERA)
+    alone = look.alone(sizes_found)
+    with_poses = look.with_poses(sizes_found, path.Ts_world_camera, up or UP_CAMERA)
     if cancelled():
         return SizesFitted("Fitting was cancelled.")
     if alone is None and with_poses is None:
-        return SizesFitted(NO_GAIN, unseen=unseen_parts(found))
+        return SizesFitted(NO_GAIN, unseen=unseen_parts(sizes_found))
     return SizesFitted(
-        describe_sizes(found), look.error_before, alone, with_poses, unseen_parts(found)
+        describe_sizes(sizes_found), look.error_before, alone, with_poses, unseen_parts(sizes_found)
     )
 
 

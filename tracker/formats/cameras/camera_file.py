@@ -125,22 +125,24 @@ class CameraFile:
         """The same of a camera that moves, from a row of its way on, and of that."""
         if self.way is None or row == 0:
             return self
-        way = self.way.rows(slice(row, None))
-        rise = float(way.Ts_world_camera[0, 1, 3] - self.way.Ts_world_camera[0, 1, 3])
-        zoom = float(way.zoom[0])
+        camera_way = self.way.rows(slice(row, None))
+        rise = float(camera_way.Ts_world_camera[0, 1, 3] - self.way.Ts_world_camera[0, 1, 3])
+        zoom = float(camera_way.zoom[0])
         return replace(
             self,
             camera=None if self.camera is None else self.camera.zoomed(zoom),
-            up_camera=None if self.up_camera is None else np.asarray(way.Ts_world_camera[0, 1, :3]),
+            up_camera=None
+            if self.up_camera is None
+            else np.asarray(camera_way.Ts_world_camera[0, 1, :3]),
             floor_m=None if self.floor_m is None else self.floor_m - rise,
-            way=replace(way, zoom=way.zoom / zoom),
+            way=replace(camera_way, zoom=camera_way.zoom / zoom),
         )
 
 
 def camera_file(
     file: str,
     camera: Camera | None,
-    way: CameraWay,
+    camera_way: CameraWay,
     reading: CameraReading = AS_USUAL,
     *,
     floor_y: float | None = None,
@@ -154,24 +156,26 @@ def camera_file(
     """
     scale = METRES[reading.unit or "m"]
     R_up = _Z_UP_TO_Y_UP if reading.world == "z up" else np.eye(3)
-    T = way.Ts_world_camera
+    T = camera_way.Ts_world_camera
     Rs = T[:, :3, :3]
     if not np.isfinite(T).all() or not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-3):
         raise FormatError(f"{file}: T_world_camera is no rotation.")
-    if not ((way.zoom > 1 / MOST_NUMBER) & (way.zoom < MOST_NUMBER)).all():
+    if not ((camera_way.zoom > 1 / MOST_NUMBER) & (camera_way.zoom < MOST_NUMBER)).all():
         raise FormatError(f"{file} has numbers that no camera has.")
-    way = replace(way, Ts_world_camera=transform(Rs, T[:, :3, 3] * scale))
-    stays = is_still(way.Ts_world_camera) and np.ptp(np.log(way.zoom)) <= STILL_RAD
-    stays = stays and not way.unscaled  # its way was left out
-    way = way.rows(slice(1)) if stays else way
-    T = way.Ts_world_camera
+    camera_way = replace(camera_way, Ts_world_camera=transform(Rs, T[:, :3, 3] * scale))
+    stays = is_still(camera_way.Ts_world_camera) and np.ptp(np.log(camera_way.zoom)) <= STILL_RAD
+    stays = stays and not camera_way.unscaled  # its way was left out
+    camera_way = camera_way.rows(slice(1)) if stays else camera_way
+    T = camera_way.Ts_world_camera
     Ts = transform(R_up @ nearest_rotation(T[:, :3, :3]), T[:, :3, 3] @ R_up.T)
-    way = replace(way, Ts_world_camera=Ts, is_metric=way.is_metric or reading.unit is not None)
+    camera_way = replace(
+        camera_way, Ts_world_camera=Ts, is_metric=camera_way.is_metric or reading.unit is not None
+    )
     up = np.asarray(Ts[0, 1, :3]) if knows_up or reading.world is not None else None
     floor_m = None if floor_y is None else floor_y * scale - float(Ts[0, 1, 3])
     if knows_up and reading.world is None:
         notes = (*notes, *_upright(Rs[0]))
-    return CameraFile(camera, up, floor_m, None if stays else way, notes=notes)
+    return CameraFile(camera, up, floor_m, None if stays else camera_way, notes=notes)
 
 
 def _upright(R_world_camera: Array) -> tuple[Note, ...]:
@@ -182,13 +186,16 @@ def _upright(R_world_camera: Array) -> tuple[Note, ...]:
     return (Note("camera hanging", (float(by_y),)),) if by_y > HANGING_DEG else ()
 
 
-def ascending(file: str, way: CameraWay) -> CameraWay:
+def ascending(file: str, camera_way: CameraWay) -> CameraWay:
     """The way; FormatError where its moments do not ascend."""
-    if not (np.abs(way.frames) < MOST_NUMBER).all() or not abs(way.begins or 0.0) < MOST_NUMBER:
+    if (
+        not (np.abs(camera_way.frames) < MOST_NUMBER).all()
+        or not abs(camera_way.begins or 0.0) < MOST_NUMBER
+    ):
         raise FormatError(f"{file} has a frame or time that is too large.")
-    if not (np.diff(way.frames) > 0).all():
+    if not (np.diff(camera_way.frames) > 0).all():
         raise FormatError(f"{file} names frames twice, or not in their order.")
-    return way
+    return camera_way
 
 
 def is_still(Ts_world_camera: Array) -> bool:

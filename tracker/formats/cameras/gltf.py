@@ -110,9 +110,9 @@ def _of_document(
     except _DAMAGE:
         raise FormatError(f"{file} is a damaged glTF file: export it again.") from None
     seen = transform(nearest_rotation(Ts[:, :3, :3]) * FLIP, Ts[:, :3, 3])
-    way = CameraWay(times_s, seen, zoom, "seconds", begins)
+    camera_way = CameraWay(times_s, seen, zoom, "seconds", begins)
     notes = (Note("several animations"),) if several else ()
-    found = camera_file(file, lens, way, reading, floor_y=0.0 if own else None, notes=notes)
+    found = camera_file(file, lens, camera_way, reading, floor_y=0.0 if own else None, notes=notes)
     if found.way is not None:
         ascending(file, found.way)
     return found

@@ -60,10 +60,12 @@ def read_keypose_json(
         camera = exact(data, fields.distortion)
     except ValidationError as error:
         raise FormatError(f"{file}: {one_sentence(error)}") from None
-    way = _way(file, fields, camera)
-    lens = resized(file, camera.zoomed(float(way.zoom[0])), size)
-    way = replace(way, zoom=way.zoom / way.zoom[0], unscaled=fields.without_scale)
-    return camera_file(file, lens, way, reading, floor_y=fields.floor_m)
+    camera_way = _way(file, fields, camera)
+    lens = resized(file, camera.zoomed(float(camera_way.zoom[0])), size)
+    camera_way = replace(
+        camera_way, zoom=camera_way.zoom / camera_way.zoom[0], unscaled=fields.without_scale
+    )
+    return camera_file(file, lens, camera_way, reading, floor_y=fields.floor_m)
 
 
 def _way(file: str, fields: _CameraFields, camera: Camera) -> CameraWay:
@@ -77,27 +79,30 @@ def _way(file: str, fields: _CameraFields, camera: Camera) -> CameraWay:
     frames = np.array([each.frame for each in fields.frames], dtype=np.int64)
     Ts = np.array([each.T_world_camera for each in fields.frames])
     zoom = np.array([each.fy for each in fields.frames]) / camera.fy
-    way = ascending(file, _timed(file, fields, CameraWay(frames, Ts, zoom, "frames")))
-    if way.clock == "seconds" or way.frames[0] <= 0:
-        return way
+    camera_way = ascending(file, _timed(file, fields, CameraWay(frames, Ts, zoom, "frames")))
+    if camera_way.clock == "seconds" or camera_way.frames[0] <= 0:
+        return camera_way
     return replace(
-        way,
-        frames=np.concatenate([first.frames, way.frames]),
+        camera_way,
+        frames=np.concatenate([first.frames, camera_way.frames]),
         Ts_world_camera=np.concatenate([first.Ts_world_camera, Ts]),
         zoom=np.concatenate([first.zoom, zoom]),
     )
 
 
-def _timed(file: str, fields: _CameraFields, way: CameraWay) -> CameraWay:
+def _timed(file: str, fields: _CameraFields, camera_way: CameraWay) -> CameraWay:
     """The way in frames of the film, or in seconds from one of them on."""
     film, span = fields.film_frames, fields.last_frame - fields.first_frame
     if film is None or film == (fields.first_frame, fields.last_frame):
-        return way
+        return camera_way
     shift = film[0] - fields.first_frame
     if abs(film[1] - film[0] - span) < WHOLE_FRAMES and abs(shift - round(shift)) < WHOLE_FRAMES:
-        return replace(way, frames=way.frames + round(shift))
+        return replace(camera_way, frames=camera_way.frames + round(shift))
     if fields.frames_per_second is None:
         raise FormatError(f"{file} does not say its rate: export it again.")
     return replace(
-        way, frames=way.frames / fields.frames_per_second, clock="seconds", begins=film[0]
+        camera_way,
+        frames=camera_way.frames / fields.frames_per_second,
+        clock="seconds",
+        begins=film[0],
     )

@@ -196,9 +196,9 @@ def _read_tum(file: str, lines: Sequence[Sequence[str]], reading: CameraReading)
     x, y, z, w = numbers[:, 4:].T
     Ts = _posed(file, np.stack([w, x, y, z], axis=1), numbers[:, 1:4])
     times_s = numbers[:, 0] - numbers[0, 0]
-    way = ascending(file, CameraWay(times_s, Ts, np.ones(len(Ts)), "seconds", 0.0))
+    camera_way = ascending(file, CameraWay(times_s, Ts, np.ones(len(Ts)), "seconds", 0.0))
     notes = (Note("camera lens kept"), Note("camera from first"))
-    return camera_file(file, None, way, reading, knows_up=False, notes=notes)
+    return camera_file(file, None, camera_way, reading, knows_up=False, notes=notes)
 
 
 def _read_colmap(
@@ -313,5 +313,5 @@ def _camera(
         camera = resized(file, first, size)
         zoom = np.array([lens.fy / lens.height for lens in lenses if lens is not None])
         zoom = zoom / zoom[0]
-    way = ascending(file, CameraWay(frames, Ts, zoom, "names", is_metric=False))
-    return camera_file(file, camera, way, reading, knows_up=knows_up, notes=tuple(notes))
+    camera_way = ascending(file, CameraWay(frames, Ts, zoom, "names", is_metric=False))
+    return camera_file(file, camera, camera_way, reading, knows_up=knows_up, notes=tuple(notes))

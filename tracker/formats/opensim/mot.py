@@ -90,7 +90,10 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
     person's, or nothing is tracked.
     """
     recording = _with_hinges(recording)
-    angles = {found.joint.name: found for found in recording.joint_angles_in(recording.world)}
+    angles = {
+        joint_angles.joint.name: joint_angles
+        for joint_angles in recording.joint_angles_in(recording.world)
+    }
     if len(angles) < len(JOINTS):
         raise FormatError(
             "OpenSim's joint angles are those of a whole person, and this body is no person's."
@@ -109,7 +112,10 @@ def expected_errors(recording: Recording) -> dict[str, Array] | None:
     """By which coordinates (N,) are expected to be off, degrees, by their names; None where that is
     not known of every frame, since OpenSim reads no gaps. Nothing is of places, ankles and toes."""
     recording = _with_hinges(recording)
-    angles = {found.joint.name: found for found in recording.joint_angles_in(recording.world)}
+    angles = {
+        joint_angles.joint.name: joint_angles
+        for joint_angles in recording.joint_angles_in(recording.world)
+    }
     if len(angles) < len(JOINTS):
         return None
     errors = {name: each.error_deg(angle) for name, _, _, each, angle in _columns(angles)}

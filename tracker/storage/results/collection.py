@@ -40,44 +40,50 @@ class Results:
     def __len__(self) -> int:
         return len(self.by_key)
 
-    def with_result(self, found: SegmentResult, keep: Collection[str] = ()) -> Results:
+    def with_result(self, segment_result: SegmentResult, keep: Collection[str] = ()) -> Results:
         """These and one more, unless a better one of its key is here; then these themselves.
 
         keep: keys that are never forgotten to make room, such as those of the present segments.
         """
-        known = self.by_key.get(found.key)
-        if known is not None and not _supersedes(found, known):
+        known = self.by_key.get(segment_result.key)
+        if known is not None and not _supersedes(segment_result, known):
             return self
-        others = {key: old for key, old in self.by_key.items() if key != found.key}
-        kept = _drop_oldest({**others, found.key: found}, {*keep, found.key})
+        others = {key: old for key, old in self.by_key.items() if key != segment_result.key}
+        kept = _drop_oldest(
+            {**others, segment_result.key: segment_result}, {*keep, segment_result.key}
+        )
         return Results(kept, self.in_space)
 
-    def with_space(self, found: SpaceResult) -> Results:
+    def with_space(self, space_result: SpaceResult) -> Results:
         """These and a stretch's motion in space."""
-        others = {key: old for key, old in self.in_space.items() if key != found.key}
-        kept = list({**others, found.key: found}.items())[-MOST_STRETCHES:]
+        others = {key: old for key, old in self.in_space.items() if key != space_result.key}
+        kept = list({**others, space_result.key: space_result}.items())[-MOST_STRETCHES:]
         return Results(self.by_key, dict(kept))
 
     def fitting(self, session: Session) -> dict[Span, SegmentResult]:
         """The results that are those of the session's present segments, finished or not; in space
         where that was solved for."""
-        found = self._as_tracked(session)
-        for stretch in stretches(session, found):
+        segment_results = self._as_tracked(session)
+        for stretch in stretches(session, segment_results):
             solved = self.in_space.get(stretch.key)
             if solved is not None:
                 placed = (segment.in_space(solved.motion) for segment in stretch.segments)
-                found |= {segment.span: segment for segment in placed}
-        return found
+                segment_results |= {segment.span: segment for segment in placed}
+        return segment_results
 
     def unsolved(self, session: Session) -> list[SegmentRun]:
         """The stretches whose motion in space is not known yet."""
-        found = stretches(session, self._as_tracked(session))
-        return [stretch for stretch in found if stretch.key not in self.in_space]
+        segment_runs = stretches(session, self._as_tracked(session))
+        return [stretch for stretch in segment_runs if stretch.key not in self.in_space]
 
     def space(self, session: Session) -> list[SpaceResult]:
         """What is known of the session's motion in space."""
-        found = stretches(session, self._as_tracked(session))
-        return [self.in_space[one.key] for one in found if one.key in self.in_space]
+        segment_runs = stretches(session, self._as_tracked(session))
+        return [
+            self.in_space[segment_run.key]
+            for segment_run in segment_runs
+            if segment_run.key in self.in_space
+        ]
 
     def _as_tracked(self, session: Session) -> dict[Span, SegmentResult]:
         keys = segment_keys(session)
@@ -103,27 +109,27 @@ class Results:
         return {span: self._state(span, key) for span, key in keys.items()}
 
     def _holds(self, key: str, least: int) -> bool:
-        found = self.by_key.get(key)
-        if found is None or not found.finished or found.missing:
+        segment_result = self.by_key.get(key)
+        if segment_result is None or not segment_result.finished or segment_result.missing:
             return False
-        return CARE[found.quality] >= least
+        return CARE[segment_result.quality] >= least
 
     def _state(self, span: Span, key: str) -> State:
-        found = self.by_key.get(key)
-        if found is not None and found.kind is not None:
-            return found.kind
+        segment_result = self.by_key.get(key)
+        if segment_result is not None and segment_result.kind is not None:
+            return segment_result.kind
         first, last = span
         touched = any(r.first < last and r.last > first for r in self.by_key.values())
         return "outdated" if touched else "none"
 
 
-def _supersedes(one: SegmentResult, other: SegmentResult) -> bool:
+def _supersedes(segment_result: SegmentResult, other: SegmentResult) -> bool:
     """Whether a result replaces another of the same key.
 
     A finished result is replaced only by a finished one that lacks no more of the work and has no
     lower quality.
     """
-    mine, its = ((r.finished, -r.missing, CARE[r.quality]) for r in (one, other))
+    mine, its = ((r.finished, -r.missing, CARE[r.quality]) for r in (segment_result, other))
     return mine >= its
 
 

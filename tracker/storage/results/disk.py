@@ -46,8 +46,8 @@ def load_results(session: Session, session_path: Path) -> Results:
         path = _path(tracks.as_tracked, summary, summary.unreached)
         if path is not None:
             key = summary.key or _key(session, keys, path)
-            found = _result(session.subject.results, summary, tracks, path, key)
-            results = results.with_result(found, keep=results.by_key)
+            segment_result = _result(session.subject.results, summary, tracks, path, key)
+            results = results.with_result(segment_result, keep=results.by_key)
     for stretch in session.subject.results.space:
         path = _path(tracks, stretch, None)
         if path is not None:
@@ -63,7 +63,11 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
 
     SessionError when the disk refuses.
     """
-    kept = [found for found in results.fitting(session).values() if found.finished]
+    kept = [
+        segment_result
+        for segment_result in results.fitting(session).values()
+        if segment_result.finished
+    ]
     if not kept:
         return session
     lowest = min((found.quality for found in kept), key=CARE.__getitem__)
@@ -109,9 +113,9 @@ def _goes_through(session: Session, path: Trajectory) -> bool:
     for frame in (path.first_frame, path.last_frame):
         if frame not in at:
             continue
-        keyed, found = at[frame].pose(skeleton), path.pose(frame)
-        turn = np.abs(keyed.Rs_parent_part - found.Rs_parent_part).max()
-        shift = np.abs(keyed.p_camera_root - found.p_camera_root).max()
+        keyed, pose = at[frame].pose(skeleton), path.pose(frame)
+        turn = np.abs(keyed.Rs_parent_part - pose.Rs_parent_part).max()
+        shift = np.abs(keyed.p_camera_root - pose.p_camera_root).max()
         if max(turn, shift) > KEYFRAME_TOLERANCE:
             return False
     return True
@@ -146,8 +150,8 @@ def _result(
         if field.name in SegmentSummary.model_fields
     }
     given = {**facts, "key": key, "quality": summary.quality or saved.quality}
-    found = tracks.diagnostics.between(first, last).complete()
-    return SegmentResult(trajectory=path, diagnostics=found, **given)
+    diagnostics = tracks.diagnostics.between(first, last).complete()
+    return SegmentResult(trajectory=path, diagnostics=diagnostics, **given)
 
 
 def _numbers(value: Any, annotation: str) -> Any:

@@ -22,27 +22,35 @@ Fitting: TypeAlias = Mapping[Span, SegmentResult]
 
 def pose_at(fitting: Fitting, frame: int) -> Pose | None:
     """The tracked pose at a frame, None where there is none."""
-    for (first, last), found in fitting.items():
-        if first <= frame <= last and found.tracked[frame - first]:
-            return found.trajectory.pose(frame)
+    for (first, last), segment_result in fitting.items():
+        if first <= frame <= last and segment_result.tracked[frame - first]:
+            return segment_result.trajectory.pose(frame)
     return None
 
 
 def observability(fitting: Fitting, frame_count: int, part_count: int) -> Array:
     """(F, P) observability of a part's motion at a frame, 0 to 1."""
-    steps = [(first, found.diagnostics.observability) for (first, _), found in fitting.items()]
+    steps = [
+        (first, segment_result.diagnostics.observability)
+        for (first, _), segment_result in fitting.items()
+    ]
     return _by_frame(side_by_side(steps, max(frame_count - 1, 0), (part_count,)))[:frame_count]
 
 
 def residual(fitting: Fitting, frame_count: int, part_count: int) -> Array:
     """(F, P) root mean square difference of brightness at a frame, grey levels."""
-    steps = [(first, found.diagnostics.residual) for (first, _), found in fitting.items()]
+    steps = [
+        (first, segment_result.diagnostics.residual)
+        for (first, _), segment_result in fitting.items()
+    ]
     return _by_frame(side_by_side(steps, max(frame_count - 1, 0), (part_count,)))[:frame_count]
 
 
 def ranks(fitting: Fitting, frame_count: int) -> Array:
     """(F − 1,) singular values above the cut of every step, NaN where nothing was measured."""
-    steps = [(first, found.diagnostics.rank) for (first, _), found in fitting.items()]
+    steps = [
+        (first, segment_result.diagnostics.rank) for (first, _), segment_result in fitting.items()
+    ]
     found = side_by_side(steps, max(frame_count - 1, 0))
     return np.where(found >= 0, found, np.nan)
 
@@ -50,9 +58,9 @@ def ranks(fitting: Fitting, frame_count: int) -> Array:
 def expected_gain(fitting: Fitting, frame_count: int) -> Array:
     """(F,) expected gain of a keyframe at each frame, NaN where not known."""
     gains = [
-        (first, found.diagnostics.expected_gain)
-        for (first, _), found in fitting.items()
-        if found.diagnostics.expected_gain is not None
+        (first, segment_result.diagnostics.expected_gain)
+        for (first, _), segment_result in fitting.items()
+        if segment_result.diagnostics.expected_gain is not None
     ]
     return side_by_side(gains, frame_count)
 
@@ -60,8 +68,8 @@ def expected_gain(fitting: Fitting, frame_count: int) -> Array:
 def rotations(fitting: Fitting, frame_count: int, part: int) -> Array:
     """(F, 3, 3) a part's rotation in its parent's frame."""
     rows = [
-        (first, found.where_tracked(found.trajectory.Rs_parent_part[:, part]))
-        for (first, _), found in fitting.items()
+        (first, segment_result.where_tracked(segment_result.trajectory.Rs_parent_part[:, part]))
+        for (first, _), segment_result in fitting.items()
     ]
     return side_by_side(rows, frame_count, (3, 3))
 
@@ -69,8 +77,8 @@ def rotations(fitting: Fitting, frame_count: int, part: int) -> Array:
 def root_positions(fitting: Fitting, frame_count: int) -> Array:
     """(F, 3) the root in the camera frame, metres."""
     rows = [
-        (first, found.where_tracked(found.trajectory.ps_camera_root))
-        for (first, _), found in fitting.items()
+        (first, segment_result.where_tracked(segment_result.trajectory.ps_camera_root))
+        for (first, _), segment_result in fitting.items()
     ]
     return side_by_side(rows, frame_count, (3,))
 

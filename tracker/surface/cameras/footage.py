@@ -214,8 +214,8 @@ def _require_size(camera: RigCamera, video: Video, what: What) -> None:
 
 def _common_count(taken: Sequence[_CameraVideo], what: What) -> int:
     counts: dict[int, str] = {}
-    for one in taken:
-        counts.setdefault(one.video.info.frame_count, one.view.name)
+    for camera_video in taken:
+        counts.setdefault(camera_video.video.info.frame_count, camera_video.view.name)
     if len(counts) > 1:
         (some, first), (others, second) = list(counts.items())[:2]
         raise SurfaceError(

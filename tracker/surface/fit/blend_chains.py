@@ -51,10 +51,10 @@ def join_chains(
     if missing:
         return _join_partial(skeleton, span, chains, missing)
     whole = [_complete(chain, keyposes) for chain in chains]
-    one, two = whole[0], whole[-1]
+    links, two = whole[0], whole[-1]
     if len(whole) == 1:
-        return JoinedChains(tuple(one), None)
-    return JoinedChains(tuple(_blend(skeleton, one, two)), _joint_distances(skeleton, one, two))
+        return JoinedChains(tuple(links), None)
+    return JoinedChains(tuple(_blend(skeleton, links, two)), _joint_distances(skeleton, links, two))
 
 
 def _complete(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
@@ -133,22 +133,22 @@ def _chain_weight(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
     return np.asarray(max(nearness, 1e-3) / mean**TRUST_POWER)
 
 
-def _interpolate(one: Pose, other: Pose, share: Array | float) -> Pose:
+def _interpolate(pose: Pose, other: Pose, share: Array | float) -> Pose:
     """Interpolate from one pose (share 0) to the other (share 1), part by part."""
-    shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(one.Rs_parent_part),))
-    turn = log_rotation(transpose(one.Rs_parent_part) @ other.Rs_parent_part)
-    Rs = one.Rs_parent_part @ exp_rotation(shares[:, None] * turn)
-    root = (1 - shares[0]) * one.p_camera_root + shares[0] * other.p_camera_root
+    shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(pose.Rs_parent_part),))
+    turn = log_rotation(transpose(pose.Rs_parent_part) @ other.Rs_parent_part)
+    Rs = pose.Rs_parent_part @ exp_rotation(shares[:, None] * turn)
+    root = (1 - shares[0]) * pose.p_camera_root + shares[0] * other.p_camera_root
     return Pose(Rs, root)
 
 
-def _blend(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[Link]:
+def _blend(skeleton: Skeleton, links: Sequence[Link], two: Sequence[Link]) -> list[Link]:
     """Two chains as one; the keyframes at both ends stay as they are."""
     inner = [
-        blend_links(skeleton, ahead, behind, k / (len(one) - 1))
-        for k, (ahead, behind) in enumerate(zip(one, two, strict=True))
+        blend_links(skeleton, ahead, behind, k / (len(links) - 1))
+        for k, (ahead, behind) in enumerate(zip(links, two, strict=True))
     ]
-    return [one[0], *inner[1:-1], two[-1]]
+    return [links[0], *inner[1:-1], two[-1]]
 
 
 def _joint_distances(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:

@@ -129,10 +129,10 @@ def _fit_step(
     step = measure(model, observed, fit)
     if ahead is None or options.solves == 0 or step.unexplained < TROUBLE:
         return fit, step
-    other = fit_pose(model, observed, ahead, options)
-    if misfit(model, observed, other.pairs) >= misfit(model, observed, fit.pairs):
+    surface_registration = fit_pose(model, observed, ahead, options)
+    if misfit(model, observed, surface_registration.pairs) >= misfit(model, observed, fit.pairs):
         return fit, step
-    return other, measure(model, observed, other)
+    return surface_registration, measure(model, observed, surface_registration)
 
 
 def _extrapolate(before: Pose, now: Pose) -> Pose:

@@ -67,12 +67,16 @@ class SurfaceFitter:
             emit(step, done - 1)
 
         tracker = self._tracker(settings.quality)
-        found = tracker.run_segment(span, report)
+        segment_result = tracker.run_segment(span, report)
         off = lies_off(tracker.model, self._keyposes[self.model_frame])
         if self._reports_model(span):
             notes = (*self._describe_off(off), *self._describe_holes(), *self._describe_cuts())
-            found = replace(found, notes=(*notes, *found.notes))
-        return replace(found, verdict=off_its_surface(self.model_frame)) if off else found
+            segment_result = replace(segment_result, notes=(*notes, *segment_result.notes))
+        return (
+            replace(segment_result, verdict=off_its_surface(self.model_frame))
+            if off
+            else segment_result
+        )
 
     def fit_frame(self, frame: int, pose: Pose, quality: Quality = "full") -> Pose:
         """A pose fitted to the surface of one step; SurfaceError where that cannot be used."""

@@ -107,12 +107,12 @@ def pairs_of(
     model: SurfaceModel, posed: PosedSurface, observed: TargetSurface, options: Options
 ) -> Pairs:
     """Nearest points, both ways."""
-    seen = observed.samples
+    surface_samples = observed.samples
     grid = grid_of(posed.p, 2 * model.spacing_m)
     clear = clearance(model, posed, grid, options)
     reach = REACH_SHARE * model.size_m
-    to_seen, far_there = _nearest(posed, seen, observed.grid, reach, options)
-    to_model, far_back = _nearest(seen, posed, grid, reach, options)
+    to_seen, far_there = _nearest(posed, surface_samples, observed.grid, reach, options)
+    to_model, far_back = _nearest(surface_samples, posed, grid, reach, options)
     own = clear * model.trust
     there = own * observed.weights[to_seen] * (to_seen >= 0)
     back = own[to_model] * observed.weights * (to_model >= 0)
@@ -122,8 +122,8 @@ def pairs_of(
         back = back * _mutual_pair_weight(far_back, far_there[to_model], near)
     return Pairs(
         np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # those weigh nothing
-        np.concatenate([seen.p[to_seen], seen.p]),
-        np.concatenate([seen.normals[to_seen], seen.normals]),
+        np.concatenate([surface_samples.p[to_seen], surface_samples.p]),
+        np.concatenate([surface_samples.normals[to_seen], surface_samples.normals]),
         np.concatenate([_normalise(there), _normalise(back)]),
         len(posed.p),
         np.concatenate([far_there, far_back]),

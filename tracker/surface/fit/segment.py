@@ -169,9 +169,9 @@ def _verdict(model: SurfaceModel, every: JoinedChains, keys: Sequence[int]) -> V
     """Judge what was reached; where that is not lost, what was not reached comes first."""
     first, last = every.unreached or (0, -1)
     reached = [link for link in every.links if not first <= link.frame <= last]
-    found = judge_links(model, reached, keys, every.apart_m)
-    if not every.missing or found.kind == "lost":
-        return found
+    verdict = judge_links(model, reached, keys, every.apart_m)
+    if not every.missing or verdict.kind == "lost":
+        return verdict
     return not_reached(every.unreached, (every.links[0].frame, every.links[-1].frame))
 
 

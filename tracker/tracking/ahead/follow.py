@@ -206,7 +206,7 @@ class _AheadRun:
     def _grow(self, count: int, steps: int, *, is_last: bool) -> Stop | None:
         """Follow all of the first `count` steps of so many; why not all of them can be trusted."""
         ways, scene = self._block(count, steps)
-        halts = [self._judged(way, scene, count, is_last=is_last) for way in ways]
+        halts = [self._judged(forward_pass, scene, count, is_last=is_last) for forward_pass in ways]
         reached = [count if halt is None else halt.step for halt in halts]
         best = reached.index(max(reached))
         halt = halts[best]
@@ -290,9 +290,9 @@ class _AheadRun:
             try:
                 step = next(work)
             except StopIteration as done:
-                found: ForwardPass = done.value
-                self._report(found.motion)
-                return found
+                forward_pass: ForwardPass = done.value
+                self._report(forward_pass.motion)
+                return forward_pass
             self._report(step.trajectory)
 
     def _report(self, motion: Trajectory) -> None:
@@ -310,8 +310,8 @@ class _AheadRun:
 
     def _found(self, motion: Trajectory, stop: Stop) -> FoundAhead:
         line = self.line
-        found = self.tracker.as_filmed(line.motion(motion))
-        return FoundAhead(line.frame, line.direction, found, stop, self.notes)
+        trajectory = self.tracker.as_filmed(line.motion(motion))
+        return FoundAhead(line.frame, line.direction, trajectory, stop, self.notes)
 
 
 def _cut(motion: Trajectory, last: int) -> Trajectory:

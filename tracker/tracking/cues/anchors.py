@@ -122,11 +122,11 @@ class Anchors:
         """The anchors of some frames alone."""
         return replace(self, **{name: getattr(self, name)[rows] for name in BY_FRAME})
 
-    def in_rows(self, rows: NDArray[np.bool_], other: Anchors) -> Anchors:
+    def in_rows(self, rows: NDArray[np.bool_], anchors: Anchors) -> Anchors:
         """Put in those of others in some frames (N,)."""
         mixed = {name: getattr(self, name).copy() for name in BY_FRAME}
         for name, values in mixed.items():
-            values[rows] = getattr(other, name)[rows]
+            values[rows] = getattr(anchors, name)[rows]
         return replace(self, **mixed)
 
     @property
@@ -265,7 +265,7 @@ def _sigma_px(height: float, visibility: Array) -> Array:
 
 def _anchors(
     scene: Scene,
-    seen: Keypoints,
+    keypoints: Keypoints,
     index: NDArray[np.int64],
     parts: NDArray[np.int64],
     points: Array,
@@ -273,14 +273,14 @@ def _anchors(
     height: float,
 ) -> Anchors | None:
     """None where they lie on another body than the one posed, or where no keyframe shows it."""
-    uv = seen.uv[:, index]
+    uv = keypoints.uv[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
-    by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
+    by_hand = known & (False if keypoints.by_hand is None else keypoints.by_hand[:, index])
     detected = known & ~by_hand
-    p_hips = None if seen.p_hips is None else seen.p_hips[:, index]
-    names = [seen.names[k] for k in index]
+    p_hips = None if keypoints.p_hips is None else keypoints.p_hips[:, index]
+    names = [keypoints.names[k] for k in index]
     jumped = detected & excursions(uv, known, height, names, p_hips)  # depth stays with its side
-    visibility = np.where(known & ~jumped, seen.visibility[:, index], 0.0)
+    visibility = np.where(known & ~jumped, keypoints.visibility[:, index], 0.0)
     compared = [n for n in keyed if known[n].sum() >= FEWEST]
     miss = [
         np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
@@ -295,7 +295,7 @@ def _anchors(
     poses = list(keyed.values())
     joints = BodyPoints.single(scene.skeleton, parts, points)
     points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
-    depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
+    depth, depth_scale = _depths(scene, keypoints, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND_SHARE * height)
     return Anchors(
@@ -309,24 +309,24 @@ def _anchors(
         height,
         joints,
         exact,
-        _sigmas_m(seen, index),
-        *_feet(scene, seen),
+        _sigmas_m(keypoints, index),
+        *_feet(scene, keypoints),
     )
 
 
-def _feet(scene: Scene, seen: Keypoints) -> tuple[BodyPoints, Array]:
+def _feet(scene: Scene, keypoints: Keypoints) -> tuple[BodyPoints, Array]:
     """The heels and toes of the body, and (N, F, 2) where they are seen."""
-    index, parts, points = foot_ends(scene.skeleton.body, seen.names)
-    is_seen = seen.visibility[:, index] >= FOOT_SEEN
-    uv = np.where(is_seen[..., None], seen.uv[:, index], np.nan)
+    index, parts, points = foot_ends(scene.skeleton.body, keypoints.names)
+    is_seen = keypoints.visibility[:, index] >= FOOT_SEEN
+    uv = np.where(is_seen[..., None], keypoints.uv[:, index], np.nan)
     return BodyPoints.single(scene.skeleton, parts, points), uv
 
 
-def _sigmas_m(seen: Keypoints, index: NDArray[np.int64]) -> Array:
+def _sigmas_m(keypoints: Keypoints, index: NDArray[np.int64]) -> Array:
     """(N, K) of depths that were lifted; NaN of others."""
-    if seen.depth_sigma_m is None:
-        return np.full((len(seen), len(index)), np.nan)
-    return seen.depth_sigma_m[:, index]
+    if keypoints.depth_sigma_m is None:
+        return np.full((len(keypoints), len(index)), np.nan)
+    return keypoints.depth_sigma_m[:, index]
 
 
 def _offsets(
@@ -360,7 +360,7 @@ def _offsets(
 
 def _depths(
     scene: Scene,
-    seen: Keypoints,
+    keypoints: Keypoints,
     index: NDArray[np.int64],
     parts: NDArray[np.int64],
     points: Array,
@@ -368,9 +368,9 @@ def _depths(
 ) -> tuple[Array, Array]:
     """(N, K) depth from the root and its 1/σ: the detector's, plus what it lacks at both keyframes,
     linearly between."""
-    if seen.p_hips is None:
-        return np.zeros((len(seen), len(index))), np.zeros((len(seen), len(index)))
-    z = depth_along_view(seen, scene.camera)[:, index]
+    if keypoints.p_hips is None:
+        return np.zeros((len(keypoints), len(index))), np.zeros((len(keypoints), len(index)))
+    z = depth_along_view(keypoints, scene.camera)[:, index]
     missing = np.full((2, len(index)), np.nan)
     for row, (n, pose) in enumerate(keyed.items()):
         p = Posed.of(scene.skeleton, pose).points(parts, points)
@@ -378,6 +378,6 @@ def _depths(
     missing = np.where(np.isfinite(missing), missing, missing[::-1])  # one keyframe may not show it
     share = np.linspace(0.0, 1.0, len(z))[:, None]
     depth = z + (1 - share) * missing[0] + share * missing[1]
-    known, own_m = np.isfinite(depth), _sigmas_m(seen, index)
+    known, own_m = np.isfinite(depth), _sigmas_m(keypoints, index)
     sigma_m = np.where(np.isfinite(own_m), np.maximum(own_m, LEAST_DEPTH_M), KEYPOINT_DEPTH_M)
     return np.where(known, depth, 0.0), np.where(known, 1 / sigma_m, 0.0)

@@ -49,21 +49,21 @@ class DraftedKeypoints:
     ) -> Keypoints | None:
         frames = segment.first_frame, segment.last_frame
         posed = dict(zip(frames, (segment.start, segment.end), strict=True))
-        found = self._shown(frames, skeleton, posed)
-        return self.source.over(segment, skeleton, report) if found is None else found
+        keypoints = self._shown(frames, skeleton, posed)
+        return self.source.over(segment, skeleton, report) if keypoints is None else keypoints
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
-        found = self._shown((frame, frame), skeleton, {frame: pose})
-        return self.source.at(frame, skeleton, pose) if found is None else found
+        keypoints = self._shown((frame, frame), skeleton, {frame: pose})
+        return self.source.at(frame, skeleton, pose) if keypoints is None else keypoints
 
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
     ) -> Keypoints | None:
         frames = min(frame, last), max(frame, last)
-        found = self._shown(frames, skeleton, {frame: pose})
-        if found is None:
+        keypoints = self._shown(frames, skeleton, {frame: pose})
+        if keypoints is None:
             return self.source.beyond(frame, last, skeleton, pose, report)
-        return found
+        return keypoints
 
     def _shown(
         self, frames: tuple[int, int], skeleton: Skeleton, posed: Mapping[int, Pose]
@@ -85,19 +85,19 @@ def drafted_over(
     posed: poses of the body as it was filmed, by frame.  camera: of the video, with its distortion.
     path: of a camera that moves.
     """
-    found = drafted.over(*frames)
-    on_body = points_on_body(skeleton.body, found.names)
-    if len(on_body.indices) < FEWEST or not np.isfinite(found.uv).all():
+    keypoints = drafted.over(*frames)
+    on_body = points_on_body(skeleton.body, keypoints.names)
+    if len(on_body.indices) < FEWEST or not np.isfinite(keypoints.uv).all():
         return None
     for frame, pose in posed.items():
         here = camera if path is None else path.camera_at(camera, frame)
-        if not _lies_on(found.over(frame, frame), on_body, skeleton, pose, here):
+        if not _lies_on(keypoints.over(frame, frame), on_body, skeleton, pose, here):
             return None
-    return found
+    return keypoints
 
 
 def _lies_on(
-    seen: Keypoints, on_body: PointsOnBody, skeleton: Skeleton, pose: Pose, camera: Camera
+    keypoints: Keypoints, on_body: PointsOnBody, skeleton: Skeleton, pose: Pose, camera: Camera
 ) -> bool:
     """Whether a posed body lies where keypoints of one frame show the person, whichever side
     they take for the left one."""
@@ -106,5 +106,7 @@ def _lies_on(
     if (p[:, 2] < LEAST_DEPTH_M).any():
         return False
     uv, at = camera.project(p), on_body.indices
-    miss = [np.linalg.norm(each.uv[0, at] - uv, axis=-1) for each in (seen, seen.exchanged())]
+    miss = [
+        np.linalg.norm(each.uv[0, at] - uv, axis=-1) for each in (keypoints, keypoints.exchanged())
+    ]
     return bool(min(map(np.median, miss)) <= OTHER_PERSON * height_px(skeleton, camera, pose))

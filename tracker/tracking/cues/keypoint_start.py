@@ -29,11 +29,11 @@ def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory
     held = even_increments(correction.scene, path)
     ways: list[tuple[float, int, Trajectory]] = []
     begun = (path, _frame_by_frame(correction)) if reach_far else (path,)
-    for way in begun:
+    for trajectory in begun:
         for kernel in (Huber(), Cauchy()):
-            way = correction.solve(way, held, kernel)
-        cost = correction.problem(held, Cauchy()).cost(way)
-        ways.append((float(cost), len(ways), way))
+            trajectory = correction.solve(trajectory, held, kernel)
+        cost = correction.problem(held, Cauchy()).cost(trajectory)
+        ways.append((float(cost), len(ways), trajectory))
     return min(ways)[-1]
 
 
@@ -50,8 +50,8 @@ def _frame_by_frame(correction: Correction) -> Trajectory:
     for n in range(1, len(t)):
         near = segment.expected(R, t, n)
         near = replace(near, Rs_parent_part=near.Rs_parent_part @ onward[n - 1])
-        found = _next(correction, n, near)
-        R[n], t[n] = found.Rs_parent_part, found.p_camera_root
+        pose = _next(correction, n, near)
+        R[n], t[n] = pose.Rs_parent_part, pose.p_camera_root
     if not correction.open_end:
         R[-1], t[-1] = segment.end.Rs_parent_part, segment.end.p_camera_root
     return Trajectory(segment.first_frame, R, t)

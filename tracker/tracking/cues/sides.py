@@ -28,21 +28,25 @@ KEYED = 3.0
 
 
 def exchanged_sides(
-    seen: Keypoints, used: NDArray[np.int64], keyed: Mapping[int, Array], height_px: float
+    keypoints: Keypoints, used: NDArray[np.int64], keyed: Mapping[int, Array], height_px: float
 ) -> Keypoints | None:
     """Set left and right right; None where they are as detected in every frame.
 
     used (K,): keypoints that the body has.  keyed: by row, their pixels (K, 2) on the posed body.
     """
-    mirrored, changed = seen.exchanged(), False
-    uv, visibility, p_hips = seen.uv.copy(), seen.visibility.copy(), _copy(seen.p_hips)
-    names = [seen.names[k] for k in used]
+    mirrored, changed = keypoints.exchanged(), False
+    uv, visibility, p_hips = (
+        keypoints.uv.copy(),
+        keypoints.visibility.copy(),
+        _copy(keypoints.p_hips),
+    )
+    names = [keypoints.names[k] for k in used]
     for joints in (ARMS, LEGS):
         at = [k for k, name in enumerate(names) if name.split("_", 1)[-1] in joints]
         if not at:
             continue
         here = used[at]
-        both = np.stack([seen.uv[:, here], mirrored.uv[:, here]], axis=1) / height_px
+        both = np.stack([keypoints.uv[:, here], mirrored.uv[:, here]], axis=1) / height_px
         posed = {n: places[at] / height_px for n, places in keyed.items()}
         swapped = _least_jumps(both, posed)
         rows = np.ix_(swapped, here)
@@ -50,7 +54,7 @@ def exchanged_sides(
         uv[rows], visibility[rows] = mirrored.uv[rows], mirrored.visibility[rows]
         if p_hips is not None and mirrored.p_hips is not None:
             p_hips[rows] = mirrored.p_hips[rows]
-    return replace(seen, uv=uv, visibility=visibility, p_hips=p_hips) if changed else None
+    return replace(keypoints, uv=uv, visibility=visibility, p_hips=p_hips) if changed else None
 
 
 def _least_jumps(both: Array, keyed: Mapping[int, Array]) -> NDArray[np.bool_]:

@@ -118,14 +118,14 @@ def silhouette_mismatch(
     return SilhouetteMismatch(*frozen(found))
 
 
-def outlines_of(seen: Keypoints | None, camera: Camera, size: WorkingSize) -> Outlines:
+def outlines_of(keypoints: Keypoints | None, camera: Camera, size: WorkingSize) -> Outlines:
     """Where a network saw the person, in the pictures of a clip; nowhere where it did not.
 
     camera: of the video, with its distortion.  size: of the clip.
     """
 
     def outline(frame: int) -> NDArray[np.bool_] | None:
-        mask = None if seen is None else seen.mask(frame)
+        mask = None if keypoints is None else keypoints.mask(frame)
         if mask is None:
             return None
         share = mask.in_picture(camera.width, camera.height)

@@ -203,8 +203,8 @@ class CorrectedKeypoints:
     ) -> Keypoints | None:
         return self._corrected(self.source.beyond(frame, last, skeleton, pose, report))
 
-    def _corrected(self, found: Keypoints | None) -> Keypoints | None:
-        return None if found is None else found.corrected(self.corrections)
+    def _corrected(self, keypoints: Keypoints | None) -> Keypoints | None:
+        return None if keypoints is None else keypoints.corrected(self.corrections)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,26 +230,26 @@ class LiftedKeypoints:
     def beyond(
         self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
     ) -> Keypoints | None:
-        found = self.source.beyond(frame, last, skeleton, pose, report)
-        return self._lifted(found, skeleton)
+        keypoints = self.source.beyond(frame, last, skeleton, pose, report)
+        return self._lifted(keypoints, skeleton)
 
-    def _lifted(self, found: Keypoints | None, skeleton: Skeleton) -> Keypoints | None:
-        if found is None:
+    def _lifted(self, keypoints: Keypoints | None, skeleton: Skeleton) -> Keypoints | None:
+        if keypoints is None:
             return None
-        first, last = found.first_frame, found.last_frame
-        wider = found
-        if self.around is not None and _are_same(found, self.around.over(first, last)):
-            wider = self.around.over(*self.lifter.looked_at(first, last)).overlaid(found)
+        first, last = keypoints.first_frame, keypoints.last_frame
+        wider = keypoints
+        if self.around is not None and _are_same(keypoints, self.around.over(first, last)):
+            wider = self.around.over(*self.lifter.looked_at(first, last)).overlaid(keypoints)
         lifted = self.lifter.of(wider, skeleton.body).over(first, last)
-        return replace(found, p_hips=lifted.p_hips, depth_sigma_m=lifted.depth_sigma_m)
+        return replace(keypoints, p_hips=lifted.p_hips, depth_sigma_m=lifted.depth_sigma_m)
 
 
-def _are_same(found: Keypoints, other: Keypoints) -> bool:
+def _are_same(keypoints: Keypoints, other: Keypoints) -> bool:
     """Whether keypoints are others, but for what a person set."""
-    if found.names != other.names:
+    if keypoints.names != other.names:
         return False
-    same = np.isclose(found.uv, other.uv, equal_nan=True).all(axis=-1)
-    return bool(same.all() if found.by_hand is None else (same | found.by_hand).all())
+    same = np.isclose(keypoints.uv, other.uv, equal_nan=True).all(axis=-1)
+    return bool(same.all() if keypoints.by_hand is None else (same | keypoints.by_hand).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,8 +280,8 @@ class SteadyKeypoints:
     def _as_filmed(self, frame: int, pose: Pose) -> Pose:
         return pose.carried(self.steady.Ts_camera_steady[frame])
 
-    def _seen(self, found: Keypoints | None) -> Keypoints | None:
-        return None if found is None else found.steadied(self.steady)
+    def _seen(self, keypoints: Keypoints | None) -> Keypoints | None:
+        return None if keypoints is None else keypoints.steadied(self.steady)
 
 
 class _NotKept(Exception):

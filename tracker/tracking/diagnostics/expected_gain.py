@@ -40,7 +40,7 @@ LOST_EXTENT = 0.15
 """Mean error, as a share of the body's extent in the picture, where both chains were lost."""
 
 
-def expected_gain(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
+def expected_gain(scene: Scene, outcome: Outcome, observation: Observation) -> Array:
     """(N,) pixels of error that a keyframe at each frame is expected to remove.
 
     Pixels of the pictures worked on: the mean over the body, summed over the segment's frames. Zero
@@ -50,7 +50,7 @@ def expected_gain(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
         by_joint = outcome.joints.expected_error(scene.skeleton.part_count)
         return _gain(np.nanmean(by_joint, axis=1) * outcome.joints.height_px)
     clock = _clock(outcome)
-    error = _error_px(scene, outcome, seen) * 6 * clock * (1 - clock)
+    error = _error_px(scene, outcome, observation) * 6 * clock * (1 - clock)
     others = _others_px(scene, outcome)
     if others is not None:
         error = np.sqrt(error * others)
@@ -63,7 +63,7 @@ def _gain(error: Array) -> Array:
     return np.asarray(MENDED * error.sum() * error / max(float(error.max()), 1e-12))
 
 
-def _error_px(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
+def _error_px(scene: Scene, outcome: Outcome, observation: Observation) -> Array:
     """(N,) the segment's expected mean error, more at less observable frames."""
     gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
     if gave_up or not outcome.followed:
@@ -74,7 +74,7 @@ def _error_px(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
     if not outcome.apart_px.any():  # no chains from both keyframes: drift alone counts
         apart = drift
     evidence = drift**DRIFT_POWER * (apart + LEAST_PX) ** (1 - DRIFT_POWER)
-    return np.asarray(ERROR * evidence * (1 + _unseen(seen)))
+    return np.asarray(ERROR * evidence * (1 + _unseen(observation)))
 
 
 def _others_px(scene: Scene, outcome: Outcome) -> Array | None:
@@ -96,10 +96,12 @@ def _clock(outcome: Outcome) -> Array:
     return np.asarray(EVEN * even + (1 - EVEN) * drift / drift[-1])
 
 
-def _unseen(seen: Observation) -> Array:
+def _unseen(observation: Observation) -> Array:
     """(N,) mean share of the motion that is not observed; 0 where nothing was measured."""
-    known = np.isfinite(seen.diagnostics.observability)
-    unseen = np.where(known, 1 - np.nan_to_num(seen.diagnostics.observability), 0.0).sum(axis=1)
+    known = np.isfinite(observation.diagnostics.observability)
+    unseen = np.where(known, 1 - np.nan_to_num(observation.diagnostics.observability), 0.0).sum(
+        axis=1
+    )
     share = unseen / np.maximum(known.sum(axis=1), 1)
     return np.concatenate([share[:1], share])
 

@@ -77,11 +77,11 @@ class _Evidence:
         return np.asarray(self.drift.sum(axis=0))
 
 
-def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
+def judge(scene: Scene, segment: Segment, outcome: Outcome, observation: Observation) -> Verdict:
     """The verdict on a tracked segment."""
     if extent_px(scene, outcome.trajectory) < LEAST_PX or _is_noise(segment):
         return Verdict.nothing_seen(segment.first_frame, segment.last_frame)
-    verdict = _judge_body(scene, segment, outcome, seen)
+    verdict = _judge_body(scene, segment, outcome, observation)
     if verdict.kind == "good" and outcome.silhouette is not None:
         verdict = _judge_silhouette(segment, outcome.silhouette)
     return _judge_depth(scene, segment, outcome) if verdict.kind == "good" else verdict
@@ -113,18 +113,20 @@ def _correlation(a: Array, b: Array) -> float:
     return float((a * b).sum()) / scale if scale > 0 else 0.0
 
 
-def _judge_body(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
+def _judge_body(
+    scene: Scene, segment: Segment, outcome: Outcome, observation: Observation
+) -> Verdict:
     """Judge by all but the silhouette."""
     if outcome.joints is not None:
         return _judge_joints(scene, segment, outcome.joints)
-    verdict = _judge_brightness(scene, segment, outcome, seen)
+    verdict = _judge_brightness(scene, segment, outcome, observation)
     if verdict.kind != "good" and outcome.off_person is not None:
         return Verdict.off_person(outcome.off_person)
     return verdict
 
 
 def _judge_brightness(
-    scene: Scene, segment: Segment, outcome: Outcome, seen: Observation
+    scene: Scene, segment: Segment, outcome: Outcome, observation: Observation
 ) -> Verdict:
     """Judge by what pictures alone say."""
     evidence = _evidence(scene, outcome)
@@ -133,19 +135,19 @@ def _judge_brightness(
     gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
     if gave_up or not outcome.followed or (apart > LOST_APART and drift > LOST_DRIFT):
         return _lost(segment, evidence)
-    if not seen.shown.any() and (seen.diagnostics.rank >= 0).any():
+    if not observation.shown.any() and (observation.diagnostics.rank >= 0).any():
         return Verdict.nothing_seen(segment.first_frame, segment.last_frame)
     if outcome.diverged:
         return Verdict.check("diverged", (segment.first_frame, segment.last_frame))
     if segment.damaged:
         return Verdict.check("damaged", _longest_run(segment.damaged))
-    unseen = _longest_unseen(scene, segment, seen)
+    unseen = _longest_unseen(scene, segment, observation)
     if unseen is not None:
         part, first, last = unseen
         return Verdict.check("not_seen", (first, last), part)
     if apart > CHECK_APART or drift > CHECK_DRIFT:
         index, first, last = _most_uncertain(scene, segment, evidence)
-        is_hidden = _is_hidden(segment, seen, index, first, last)
+        is_hidden = _is_hidden(segment, observation, index, first, last)
         name = scene.skeleton.body.names[index]
         return Verdict.check("not_seen" if is_hidden else "uncertain", (first, last), name)
     return GOOD
@@ -301,24 +303,28 @@ def _carrier(scene: Scene, part: int) -> int:
     return part if at < 0 else at
 
 
-def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last: int) -> bool:
+def _is_hidden(
+    segment: Segment, observation: Observation, part: int, first: int, last: int
+) -> bool:
     """Whether the part was tracked but not seen in most of these frames."""
     start = segment.first_frame + 1
     within = slice(first - start, last - start + 1)
-    looked = seen.diagnostics.rank[within] >= 0
-    unseen = (seen.diagnostics.observability[within, part] < UNSEEN) | (
-        seen.shown[within, part] == 0
+    looked = observation.diagnostics.rank[within] >= 0
+    unseen = (observation.diagnostics.observability[within, part] < UNSEEN) | (
+        observation.shown[within, part] == 0
     )
     return bool(2 * (unseen & looked).sum() > looked.sum())
 
 
 def _longest_unseen(
-    scene: Scene, segment: Segment, seen: Observation
+    scene: Scene, segment: Segment, observation: Observation
 ) -> tuple[str, int, int] | None:
     """The part that is unseen for the longest run of frames: name, first and last frame."""
     found = []
     for i, name in enumerate(scene.skeleton.body.names):
-        hidden = seen.diagnostics.observability[:, i] < UNSEEN  # NaN, not tracked, is never below
+        hidden = (
+            observation.diagnostics.observability[:, i] < UNSEEN
+        )  # NaN, not tracked, is never below
         found += [(last - first, name, first, last) for first, last in runs(hidden)]
     found = [run for run in found if run[0] + 1 >= SHORTEST_RUN]
     if not found:
@@ -336,7 +342,7 @@ def segment_result(
     enlarged: pixels of the video to one of the pictures worked on.
     """
     judged = isinstance(method, Paper) or method.judged
-    seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
+    observation = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
     error = depth = None
     if outcome.joints is not None:
         depth = outcome.joints.expected_depth_m(scene.skeleton.part_count, segment.to_posed_s)
@@ -344,8 +350,8 @@ def segment_result(
         feet = outcome.joints.expected_foot_error(scene.skeleton.part_count)
         error = np.fmax(by_part, feet) * outcome.joints.height_px * enlarged
     diagnostics = replace(
-        seen.diagnostics,
-        expected_gain=expected_gain(scene, outcome, seen),
+        observation.diagnostics,
+        expected_gain=expected_gain(scene, outcome, observation),
         expected_error=error,
         expected_depth=depth,
     )
@@ -357,7 +363,7 @@ def segment_result(
         closing_error=max(
             outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
         ),
-        verdict=judge(scene, segment, outcome, seen),
+        verdict=judge(scene, segment, outcome, observation),
         diagnostics=diagnostics,
         notes=outcome.notes,
     )

@@ -115,10 +115,10 @@ def _by_templates(
     notes = tracks.notes if asked else ()
     if not np.isfinite(tracks.uv).any():
         return Starts((), None, (*notes, NO_TEMPLATES) if asked else ())
-    found = lift(scene, segment, base, tracks)
-    if not is_sound(scene, segment, found):
+    trajectory = lift(scene, segment, base, tracks)
+    if not is_sound(scene, segment, trajectory):
         return Starts((), None, (f"{TEMPLATES_LOST}: followed from both keyframes instead",))
-    return Starts((Pass("templates", found, None),), None, notes)
+    return Starts((Pass("templates", trajectory, None),), None, notes)
 
 
 def _imported(scene: Scene, segment: Segment, method: Keypose | Paper) -> Starts:

@@ -47,9 +47,9 @@ def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -
     if len(base) < 3 or not scene.skeleton.dof_count or not _is_followed(tracks).any():
         return base
     first = _fit(scene, segment, base, tracks, Huber())
-    found = first.solve(base, USUAL)
-    found = _fit(scene, segment, base, tracks, Cauchy()).solve(found, USUAL)
-    return found if first.cost(found) < first.cost(base) else base
+    trajectory = first.solve(base, USUAL)
+    trajectory = _fit(scene, segment, base, tracks, Cauchy()).solve(trajectory, USUAL)
+    return trajectory if first.cost(trajectory) < first.cost(base) else base
 
 
 def _between_keyframes(segment: Segment, base: Trajectory) -> Trajectory:

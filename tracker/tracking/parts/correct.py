@@ -72,10 +72,10 @@ class KeptOutcomes:
             better = [k for k in self._kept if k[0] == key and k[1] != "preview"]
             if kind not in self._kept and quality == "preview" and better:
                 kind = better[-1]
-            found = self._kept.get(kind)
-            if found is not None:
+            outcome = self._kept.get(kind)
+            if outcome is not None:
                 self._kept.move_to_end(kind)
-            return found
+            return outcome
 
     def keep(self, kind: Kind, outcome: Outcome) -> None:
         with self._lock:
@@ -102,11 +102,11 @@ class Evidence:
 
 
 def corrected(
-    base: Outcome, segment: Segment, keyed: Sequence[KeyedParts], method: Method, seen: Evidence
+    base: Outcome, segment: Segment, keyed: Sequence[KeyedParts], method: Method, evidence: Evidence
 ) -> Work:
     """The outcome of a segment with limbs where they were set right; yields what is found on the
     way. `base`: without them."""
-    skeleton = seen.scene.skeleton
+    skeleton = evidence.scene.skeleton
     first = Pass("limbs", closed_on(skeleton, base.trajectory, tuple(keyed)), None)
     yield first
     if not isinstance(method, Keypose):
@@ -114,7 +114,7 @@ def corrected(
     outcome = base
     for limb in keyed_limbs(skeleton, keyed):
         body = _beside(base.trajectory, outcome.trajectory, limb, skeleton)
-        outcome = yield from _limb_corrected(outcome, body, segment, limb, method, seen)
+        outcome = yield from _limb_corrected(outcome, body, segment, limb, method, evidence)
     return outcome
 
 
@@ -140,11 +140,11 @@ def _limb_corrected(
     segment: Segment,
     limb: KeyedLimb,
     method: Keypose,
-    seen: Evidence,
+    evidence: Evidence,
 ) -> Work:
     """outcome: with what was corrected before.  body: what the limb is tracked beside."""
-    pieces = closed_pieces(seen.scene.skeleton, body, limb)
-    found: list[Trajectory] = [piece for piece, _ in pieces]
+    pieces = closed_pieces(evidence.scene.skeleton, body, limb)
+    trajectories: list[Trajectory] = [piece for piece, _ in pieces]
     outcomes: list[Outcome | None] = []
     tried: list[Pass] = []
     for k, (piece, (start, end)) in enumerate(pieces):
@@ -157,21 +157,21 @@ def _limb_corrected(
             given=piece,
             parts=limb.parts,
         )
-        work = _tracked(part, segment, method, seen)
-        own = yield from _whole(work, found, k, tried, outcome.trajectory, limb)
+        work = _tracked(part, segment, method, evidence)
+        own = yield from _whole(work, trajectories, k, tried, outcome.trajectory, limb)
         outcomes.append(own)
         if own is not None:  # all but the limb as it was given, to the last digit
-            found[k] = with_limb(piece, own.trajectory, limb.parts, start, end)
-    motion = with_parts(outcome.trajectory, joined(found), limb.parts)
-    last = Pass("limbs", motion, _score(segment, method, seen, motion))
+            trajectories[k] = with_limb(piece, own.trajectory, limb.parts, start, end)
+    motion = with_parts(outcome.trajectory, joined(trajectories), limb.parts)
+    last = Pass("limbs", motion, _score(segment, method, evidence, motion))
     tried.append(last)
     yield last
-    return _together(outcome, tried, limb, outcomes, pieces_rows(found), seen.scene)
+    return _together(outcome, tried, limb, outcomes, pieces_rows(trajectories), evidence.scene)
 
 
 def _whole(
     work: Generator[Pass, None, Outcome | None],
-    found: Sequence[Trajectory],
+    trajectories: Sequence[Trajectory],
     k: int,
     tried: list[Pass],
     rest: Trajectory,
@@ -184,26 +184,26 @@ def _whole(
         except StopIteration as done:
             own: Outcome | None = done.value
             return own
-        whole = joined([*found[:k], step.trajectory, *found[k + 1 :]])
+        whole = joined([*trajectories[:k], step.trajectory, *trajectories[k + 1 :]])
         tried.append(Pass("limbs", with_parts(rest, whole, limb.parts), None))
         yield tried[-1]
 
 
 def _tracked(
-    segment: LimbSegment, whole: Segment, method: Keypose, seen: Evidence
+    segment: LimbSegment, whole: Segment, method: Keypose, evidence: Evidence
 ) -> Generator[Pass, None, Outcome | None]:
     """The limb between two frames at which it is known; None where nothing of it is tracked."""
     parts = tuple(segment.parts.tolist())
-    scene = _only(seen.scene, parts)
+    scene = _only(evidence.scene, parts)
     if not scene.skeleton.dof_count or len(segment.given) < 3:
         return None
-    begun = _starts(seen.scene, segment, method)
-    if seen.keypoints is not None and seen.free is not None and seen.camera is not None:
-        free = _only(seen.free, parts)
-        candidates = anchors_of(free, whole, seen.camera, seen.keypoints)
+    begun = _starts(evidence.scene, segment, method)
+    if evidence.keypoints is not None and evidence.free is not None and evidence.camera is not None:
+        free = _only(evidence.free, parts)
+        candidates = anchors_of(free, whole, evidence.camera, evidence.keypoints)
         if candidates:
             anchors = limb_anchors(candidates, segment, whole, free)
-            by_brightness = begun if seen.brightness else None
+            by_brightness = begun if evidence.brightness else None
             work = track_anchored(
                 scene, free, segment, method, [anchors], by_brightness, reach_far=False
             )
@@ -229,12 +229,12 @@ def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
     return Starts(tuple(scored), (own[0], own[1]))
 
 
-def _limb_of(found: Trajectory, segment: LimbSegment) -> Chain:
+def _limb_of(trajectory: Trajectory, segment: LimbSegment) -> Chain:
     """The given motion with the limb as it was found."""
-    whole = with_parts(segment.given, found, segment.parts)
-    if isinstance(found, Chain):
+    whole = with_parts(segment.given, trajectory, segment.parts)
+    if isinstance(trajectory, Chain):
         R, t = whole.writable()
-        return Chain(segment.first_frame, R, t, found.doubt)
+        return Chain(segment.first_frame, R, t, trajectory.doubt)
     return Chain.even(whole)
 
 
@@ -242,10 +242,12 @@ def _only(scene: Scene, parts: tuple[int, ...]) -> Scene:
     return scene.of_skeleton(tracking_only(scene.skeleton, parts))
 
 
-def _score(segment: Segment, method: Keypose, seen: Evidence, motion: Trajectory) -> float | None:
+def _score(
+    segment: Segment, method: Keypose, evidence: Evidence, motion: Trajectory
+) -> float | None:
     if not method.judged:
         return None
-    return capped_score(seen.scene, segment.clip, motion, method.stride)
+    return capped_score(evidence.scene, segment.clip, motion, method.stride)
 
 
 def pieces_rows(pieces: Sequence[Trajectory]) -> list[slice]:
@@ -295,11 +297,11 @@ def _joints(
     for outcome, piece in zip(own, rows, strict=True):
         if outcome is None or outcome.joints is None:
             continue
-        found = outcome.joints
-        distance[piece, carried] = found.distance[:, carried]
-        visibility[piece, carried] = found.visibility[:, carried]
-        apart[piece, carried] = found.apart[:, carried]
-        drift[piece, carried] = found.drift[:, carried]
+        joint_evidence = outcome.joints
+        distance[piece, carried] = joint_evidence.distance[:, carried]
+        visibility[piece, carried] = joint_evidence.visibility[:, carried]
+        apart[piece, carried] = joint_evidence.apart[:, carried]
+        drift[piece, carried] = joint_evidence.drift[:, carried]
     for piece in rows[1:]:
         for values in (distance, apart, drift):
             values[piece.start, carried] = 0.0

@@ -59,8 +59,8 @@ def closed(motion: Trajectory, start: Pose, end: Pose, parts: NDArray[np.int64])
     R_next[0, parts] = start.Rs_parent_part[parts] @ transpose(R[0, parts]) @ R[1, parts]
     R[0, parts] = start.Rs_parent_part[parts]
     led = Motions(R_next, t[1:].copy())
-    found = correct_drift(Trajectory(motion.first_frame, R, t), led, end).trajectory
-    return with_limb(motion, found, parts, start, end)
+    trajectory = correct_drift(Trajectory(motion.first_frame, R, t), led, end).trajectory
+    return with_limb(motion, trajectory, parts, start, end)
 
 
 def with_limb(
@@ -72,10 +72,10 @@ def with_limb(
     return Trajectory(motion.first_frame, R, t)
 
 
-def with_parts(motion: Trajectory, other: Trajectory, parts: NDArray[np.int64]) -> Trajectory:
+def with_parts(motion: Trajectory, trajectory: Trajectory, parts: NDArray[np.int64]) -> Trajectory:
     """A motion with parts turned as in another one of the same frames."""
     R, t = motion.writable()
-    R[:, parts] = other.Rs_parent_part[:, parts]
+    R[:, parts] = trajectory.Rs_parent_part[:, parts]
     return Trajectory(motion.first_frame, R, t)
 
 

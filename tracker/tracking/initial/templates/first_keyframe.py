@@ -164,10 +164,12 @@ class FirstKeyframe:
         first, last = self.segment.first_frame, self.segment.last_frame
         if not np.isfinite([keyed, template.uv]).all() or template.at(0.0) is None:
             raise NotFollowed(f"{self.name(part)} is hidden at frame {first}")
-        found = follow_template(template, self.shown, turn_at, reach)
-        if found.lost is not None:
-            raise NotFollowed(f"{self.name(part)} lost at frame {first + found.lost}")
-        miss = keyed - found.uv[-1]
+        template_track = follow_template(template, self.shown, turn_at, reach)
+        if template_track.lost is not None:
+            raise NotFollowed(f"{self.name(part)} lost at frame {first + template_track.lost}")
+        miss = keyed - template_track.uv[-1]
         if np.linalg.norm(miss) > max(ARRIVAL * template.half, LEAST_HALF):
             raise NotFollowed(f"{self.name(part)} not found where the keyframe at {last} shows it")
-        return np.asarray(found.uv + np.linspace(0.0, 1.0, len(found.uv))[:, None] * miss)
+        return np.asarray(
+            template_track.uv + np.linspace(0.0, 1.0, len(template_track.uv))[:, None] * miss
+        )
