@@ -8,9 +8,10 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
+from keypose.app.cli.exit_codes import DONE, INTERRUPTED, NOT_ALL_DONE
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
-from keypose.app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
+from keypose.app.cli.outcome import locked_place, require_place, write_copy
 from keypose.app.editor.ahead import followed_session, found_sentence, start_frame
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.outdated import up_to_date
@@ -24,8 +25,6 @@ from keypose.tracker.tracking.ahead.follow import FoundAhead
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
 
-DONE = 0
-NOTHING = 1
 _WAYS: Mapping[str, tuple[Direction, ...]] = {
     "forward": ("forward",),
     "backward": ("backward",),
@@ -60,7 +59,7 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
     _print(found, str(place), arguments.json)
     if stop.is_set():
         return INTERRUPTED
-    return DONE if all(each.to_frame != each.frame for each in found) else NOTHING
+    return DONE if all(each.to_frame != each.frame for each in found) else NOT_ALL_DONE
 
 
 def _ways(session: Session, asked: str) -> list[Direction]:

@@ -15,6 +15,7 @@ from keypose.app.jobs.batch.task import Stage, Step, Summary
 
 WIDEST_NAME = 48
 QUARTER = 25
+"""Letters of a name, and percent from one word on a session to the next."""
 WORDS = {
     "tracked": "tracked",
     "kept": "up to date",

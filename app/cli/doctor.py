@@ -19,6 +19,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
+from keypose.app.cli.exit_codes import DONE, NOT_ALL_DONE
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.motion_formats import FORMATS
 from keypose.tracker.errors import KeyposeError
@@ -292,8 +293,6 @@ def _adding(package: str) -> str:
     return f"{sys.executable} -m pip install {package}"
 
 
-FOUND_AN_ERROR = 1
-
 _MARKS = {"ok": "ok", "note": "note", "warning": "warning", "error": "ERROR"}
 
 
@@ -309,7 +308,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"well": is_well, "findings": [asdict(finding) for finding in findings]})
     else:
         print(_summary(findings))
-    return 0 if is_well else FOUND_AN_ERROR
+    return DONE if is_well else NOT_ALL_DONE
 
 
 def _print(finding: Finding) -> None:

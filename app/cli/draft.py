@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from keypose.app.cli.arguments import film_orders_of, is_session_named, session_file
+from keypose.app.cli.exit_codes import DONE, INTERRUPTED
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.document.folder_lock import locked
@@ -39,9 +40,6 @@ from keypose.tracker.storage.fingerprints import needs_masks
 from keypose.tracker.storage.pace import known_or_measured
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
-
-DONE = 0
-INTERRUPTED = 130
 
 _REASONS = {
     "start": "first draft",

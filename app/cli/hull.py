@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 from keypose.app.cli.arguments import (
     note,
 )
+from keypose.app.cli.exit_codes import DONE, INTERRUPTED, NOT_ALL_DONE
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted, warm_hull_kernels
 from keypose.tracker.errors import SurfaceError, numbers_listed
@@ -20,10 +21,6 @@ from keypose.tracker.keypoints.blazepose import BlazePose
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.surface.cameras.hulls import Hulls, ply_bytes
 from keypose.tracker.surface.cameras.rig import Rig
-
-DONE = 0
-FAILED = 1
-INTERRUPTED = 130
 
 OnStep: TypeAlias = Callable[[int, str], None]
 """Receives a step that is done, and its outcome."""
@@ -51,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     _print_outcome(written, refused, hulls, stop.is_set(), arguments)
     if stop.is_set():
         return INTERRUPTED
-    return FAILED if refused else DONE
+    return NOT_ALL_DONE if refused else DONE
 
 
 def _make(

@@ -23,13 +23,10 @@ from types import ModuleType
 from typing import NoReturn
 
 from keypose.app.cli.arguments import COMMANDS
+from keypose.app.cli.exit_codes import BAD_INPUT, FAULT, INTERRUPTED, NO_READER
 from keypose.app.cli.long_work import sigterm_as_ctrl_c
 from keypose.tracker.errors import ChoiceError, KeyposeError
 
-BAD_INPUT = 2
-FAULT = 70
-INTERRUPTED = 130
-NO_READER = 141
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 THREADS = {"OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}

@@ -29,6 +29,7 @@ from keypose.tracker.storage.networks import (
 PACKAGE = "https://cdn.jsdelivr.net/npm/@mediapipe/pose@0.5.1675469404"
 """Where MediaPipe publishes the networks, file by file."""
 TIMEOUT_S = 30.0
+"""Until a server that says nothing is given up."""
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from keypose.app.cli.arguments import note
+from keypose.app.cli.exit_codes import DONE, INTERRUPTED, NOT_ALL_DONE
 from keypose.app.cli.follow import Run, follow
 from keypose.app.cli.json_output import print_json, verdict_fields
 from keypose.app.cli.long_work import warm_tracker
@@ -25,10 +26,6 @@ from keypose.tracker.storage.files import open_video_of, session_json, with_pres
 from keypose.tracker.storage.fingerprints import present_keys, segment_keys, shows_background
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.sidecars import carry_beside
-
-DONE = 0
-LOST = 1
-INTERRUPTED = 130
 
 
 def track_and_save(
@@ -64,7 +61,7 @@ def track_and_save(
         raise run.error
     if run.interrupted:
         return INTERRUPTED
-    return LOST if summary["lost"] else DONE
+    return NOT_ALL_DONE if summary["lost"] else DONE
 
 
 def _ends(wanted: Sequence[Wanted]) -> Span:

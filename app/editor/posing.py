@@ -49,6 +49,7 @@ from keypose.tracker.solver.depth_turn import depths_m, strays, turned_in_depth,
 
 REMEMBERED = 100
 _SAME = 1e-9
+"""Entries of rotations, and metres: a pose that differs by less is the same."""
 
 
 def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:

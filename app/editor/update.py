@@ -20,6 +20,7 @@ from keypose.tracker.session.history import MOST_STEPS, History, Step
 from keypose.tracker.session.settings import FrameIndex
 
 REMEMBERED_STROKES = 50
+"""Gestures of before, whose late messages do nothing."""
 StepCount: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 LABEL: Final = "find the camera's motion"
 REPORTS_S: Final = 0.2
+"""Between reports of how far it is."""
 
 
 def found_words(found_camera: FoundCamera) -> str:

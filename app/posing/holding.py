@@ -32,6 +32,7 @@ _SAME = 1e-12
 """Metres, and entries of a rotation, that are rounding."""
 
 _AT_REST = 1e-9
+"""Entries of a rotation: a part that is turned by less is as it was built."""
 
 _TURNED_BACK = math.radians(50.0)
 _NOT_BACK = math.radians(110.0)

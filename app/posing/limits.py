@@ -34,6 +34,7 @@ FREE = frozen(np.tile([-math.inf, math.inf], (3, 1)))
 _SWEEPS = 12
 _ROUNDS = 20
 _HALVINGS = 20
+"""Of searches that end sooner as a rule."""
 _STEP = math.radians(2.0)
 """So finely a turn is looked at for where it meets a limit."""
 

@@ -28,6 +28,7 @@ SMALLEST_CM = 0.2
 LARGEST_CM = 1000.0
 LOWEST_CM = 1.0
 HIGHEST_CM = 10_000.0
+"""Of a size, and of a body's height."""
 
 _LADDER = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, LARGEST_CM)
 

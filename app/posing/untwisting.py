@@ -25,6 +25,7 @@ SAME_M = 0.01
 """Ends of a limb that lie no farther apart are as good: then the least twist counts."""
 
 _TRIED = 41
+"""Twists that are compared, from one limit to the other."""
 
 
 def twist_allowed(context: GestureContext, part: int, drawn_m: float) -> TwistLimits | None:

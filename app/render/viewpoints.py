@@ -30,6 +30,7 @@ FOCAL = 1.5
 MARGIN = 1.12
 NEAREST_M = 0.1
 FARTHEST_M = 1e5
+"""Room around the body, as a share of its size; distances of the eye from it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -175,6 +175,7 @@ TOKEN_LONGEST_S = 24 * 3600.0
 LINKS_FILE = "links.json"
 
 _BYTES = 24
+"""Random bytes of a token."""
 
 
 class _Token(BaseModel):

@@ -61,6 +61,7 @@ _SESSION_ID = re.compile(r"[0-9a-f]{16}")
 
 _SAFE_METHODS = ("GET", "HEAD")
 _LONGEST_QUERY = 2000
+"""Characters."""
 
 
 class Refusal(Exception):

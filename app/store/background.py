@@ -42,6 +42,7 @@ _PAUSE_S = 2.0
 """Before it begins: the page that a person waits for comes first, and a low priority does not free
 the interpreter. And before it looks again: reading may show that frames are numbered otherwise."""
 _SECONDS_TO_END = 5.0
+"""Until what was cancelled is left to itself."""
 
 
 class Examiner:

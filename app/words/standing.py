@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 MOST_NAMED: Final = 3
+"""Places that are named one by one."""
 
 
 def standing_words(done: Standing) -> str:

@@ -17,6 +17,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
 
 GOLDEN = 0.6180339887498949
+"""The golden ratio less one: by such steps points around a limb never line up."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,7 @@ _KNOWN = 23
 _ERROR = 24
 _SHARE = 25
 _COLUMNS = 26
+"""Where in a row of measurements what stands."""
 
 
 @dataclass(frozen=True, eq=False)

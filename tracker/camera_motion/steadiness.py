@@ -21,6 +21,8 @@ SYSTEMATIC_PX = 0.6
 """Of the size looked at: a smaller mean is not called systematic."""
 SIGMAS = 3.0
 FEWEST_POINTS = 20
+"""Standard deviations of noise by which a point must have moved; points without which nothing is
+said."""
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from keypose.tracker.formats.units import PER_METRE, FileUnit
 from keypose.tracker.geometry.rotations import Array
 
 DECIMALS = 6
+"""Of centimetres and degrees."""
 
 _PLACE = "Xposition Yposition Zposition"
 _TURN = "Zrotation Yrotation Xrotation"

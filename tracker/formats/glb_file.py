@@ -21,6 +21,7 @@ VERSION = 2
 JSON_CHUNK = 0x4E4F534A
 BINARY_CHUNK = 0x004E4942
 ALIGNMENT = 4
+"""Numbers of the header and of chunks: the Binary glTF file format, version 2.0."""
 
 _COMPONENTS = {np.dtype("<f4"): 5126, np.dtype("<u2"): 5123, np.dtype("<u4"): 5125}
 _TARGETS: dict[Purpose, int | None] = {

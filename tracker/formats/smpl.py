@@ -92,6 +92,7 @@ def joints_of(ps_rest_joint: Array, Rs_parent_joint: Array, ps_world_pelvis: Arr
 
 BETAS = 16
 DMPLS = 8
+"""Columns of shape and of soft tissue that AMASS files have."""
 
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """From a world whose y points up, by a quarter turn about x."""

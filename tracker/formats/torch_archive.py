@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 MOST_BYTES: Final = 256 * 2**20
 """Of all numbers in a file, and of all tensors made of them."""
 DEEPEST: Final = 8
+"""Objects within objects."""
 _PUTS: Final = ("PUT", "BINPUT", "LONG_BINPUT")
 _STORAGES: Final = {
     "DoubleStorage": "<f8",

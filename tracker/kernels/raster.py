@@ -21,6 +21,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 PERSPECTIVE = 0.0
 PARALLEL = 1.0
+"""Kinds of projections."""
 
 
 @compiled

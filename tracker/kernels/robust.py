@@ -10,6 +10,7 @@ LEAST_SQUARES = 0
 HUBER = 1
 TUKEY = 2
 CAUCHY = 3
+"""Kinds of losses, as the compiled loops are told them."""
 
 
 @compiled

@@ -52,6 +52,8 @@ _RIM = 34
 _HEAT_SIDE = 64
 _HEAT_WINDOW = 3
 _LEAST_HEAT = 0.5
+"""As MediaPipe has them: points, the two of the circle around the body, the side of heat maps, the
+window that a peak is refined in, and what it must reach."""
 _OUTPUTS = ("Identity", "Identity_1", "Identity_2", "Identity_3", "Identity_4")
 """Points, presence, mask, heat maps and metres."""
 

@@ -33,6 +33,7 @@ MADE_BY_TOOLS: Final = ("node_modules", "__pycache__", ".egg-info")
 
 SESSION_FOLDER = ".keypose"
 _HEAD_BYTES = 512
+"""Of a file, by which its kind is told."""
 _PACKETS = ((0, 188), (4, 192))
 """Of a transport stream: where the first one begins, and how far it is to the next."""
 

@@ -21,6 +21,7 @@ SPARE_BYTES: Final = 256 * 2**20
 
 """Of observed surfaces that are one file; a folder of meshes is opened where it lies."""
 STALE_SECONDS = 24 * 3600
+"""An upload that was left so long ago is removed."""
 
 
 class Upload:

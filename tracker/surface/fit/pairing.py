@@ -179,6 +179,7 @@ def _normalise(weights: Array) -> Array:
 Kind: TypeAlias = Literal["contact", "distance"]
 
 _ANY_NORMAL = -2.0
+"""A cosine that every pair of normals has."""
 
 
 def vertex_scalars(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kind) -> Array:
