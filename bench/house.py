@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import io
+import math
 import re
 import subprocess
 import sys
@@ -98,8 +99,7 @@ def touched(tree: Tree, operation: str) -> int:
     """Files of the product in whose code an operation is named."""
     named = re.compile(rf"\b\w*(?:{OPERATIONS[operation]})\w*\b(?=[\s(.:,=\])])")
     python = sum(
-        any(named.fullmatch(f"{name} "[:-1]) or named.match(f"{name}(") for name in _names(module))
-        for module in tree.product.values()
+        any(named.match(f"{name}(") for name in _names(module)) for module in tree.product.values()
     )
     page = tree.files(".js", "static")
     return python + sum(bool(named.search(_without_comments(text))) for text in page.values())
@@ -192,7 +192,9 @@ def _imported(path: str, module: ast.Module, tree: Tree) -> Iterator[str]:
         assert node.module is not None
         base = node.module.removeprefix("keypose.").replace(".", "/")
         for name in node.names:
-            for file in (f"{base}/{name.name}.py", f"{base}.py"):
+            below = f"{base}/{name.name}"
+            places = (f"{below}.py", f"{below}/__init__.py", f"{base}.py", f"{base}/__init__.py")
+            for file in places:
                 if file in tree.product and file != path:
                     yield file
                     break
@@ -317,7 +319,7 @@ def test_share(package: str) -> Callable[[Tree], float]:
             sum(text.count("\n") for text in tree.files(".py", folder).values())
             for folder in (f"tests/tracker/{package}", f"tracker/{package}")
         )
-        return tests / product
+        return tests / product if product else math.nan
 
     return share
 
@@ -361,10 +363,11 @@ def main() -> None:
     trees = [*map(Tree.of, revisions), Tree.here()]
     print(f"{'':34}" + "".join(f"{name[:12]:>14}" for name in [*revisions, "here"]))
     for name, count in ROWS.items():
-        cells = (
-            f"{count(tree):>14.3g}" if "a line" in name else f"{count(tree):>14}" for tree in trees
-        )
-        print(f"{name:34}" + "".join(cells))
+        print(f"{name:34}" + "".join(map(_cell, map(count, trees))))
+
+
+def _cell(figure: float) -> str:
+    return f"{figure:>14.2f}" if isinstance(figure, float) else f"{figure:>14}"
 
 
 if __name__ == "__main__":

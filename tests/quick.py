@@ -110,7 +110,8 @@ def _own_tests(path: PurePosixPath, root: Path) -> list[str]:
 
 def _distance(path: str, test: str) -> int:
     """Less, the more folders of a file are those of a test."""
-    return -commonpath((f"tests/{path}", test)).count("/")
+    place = path if path.startswith("tests/") else f"tests/{path}"
+    return -commonpath((place, test)).count("/")
 
 
 def _tests(root: Path, folder: str, pattern: str) -> list[str]:

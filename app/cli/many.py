@@ -16,6 +16,7 @@ from typing import Any
 
 from keypose.app.cli.arguments import order_of
 from keypose.app.cli.batch_progress import BatchReporter, batch_reporter
+from keypose.app.cli.exit_codes import DONE, INTERRUPTED, NOT_ALL_DONE
 from keypose.app.cli.long_work import set_when_interrupted, warm_tracker
 from keypose.app.export.motion_formats import require_meant
 from keypose.app.jobs.batch import scheduler
@@ -32,9 +33,6 @@ from keypose.app.orders.order import options_of
 from keypose.tracker.errors import FormatError, KeyposeError
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 
-DONE = 0
-NOT_ALL = 1
-INTERRUPTED = 130
 WORKER_BYTES = 2_000_000_000
 """What a worker may want: the program and the clip of its longest segment."""
 
@@ -126,7 +124,7 @@ def _code(batch: _Batch, whole: bool) -> int:
     if not whole or not batch.is_good:
         if batch.problem is not None:
             print(batch.problem, file=sys.stderr)
-        return NOT_ALL if whole else INTERRUPTED
+        return NOT_ALL_DONE if whole else INTERRUPTED
     if batch.problem is not None:
         raise batch.problem
     return DONE

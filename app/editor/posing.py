@@ -58,13 +58,10 @@ def corners_placed(state: EditorState) -> tuple[PlacedCorner, ...]:
     if readout is not None:
         return readout.corners
     pose = shown_pose(state).pose if state.posed_by_corners else None
-    for posed_by_corners in reversed(state.posed_by_corners):
-        if (
-            posed_by_corners.frame == state.frame
-            and posed_by_corners.camera == state.camera
-            and _is_same(posed_by_corners.pose, pose)
-        ):
-            return posed_by_corners.corners
+    for placed in reversed(state.posed_by_corners):
+        at_present = placed.frame == state.frame and placed.camera == state.camera
+        if at_present and _is_same(placed.pose, pose):
+            return placed.corners
     return ()
 
 

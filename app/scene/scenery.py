@@ -82,10 +82,9 @@ def _before(edit: EditorState) -> tuple[Body, Array] | None:
     """The body that is compared with, as it is posed at the present frame."""
     if edit.compared is None:
         return None
-    editor_state = edit.with_doc(edit.compared)
-    return editor_state.doc.subject.body, pose_transforms(
-        editor_state.skeleton, shown_pose(editor_state).pose
-    )
+    compared = edit.with_doc(edit.compared)
+    pose = shown_pose(compared).pose
+    return compared.doc.subject.body, pose_transforms(compared.skeleton, pose)
 
 
 def _trail(section: Any, frame: int) -> Trail | None:

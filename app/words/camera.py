@@ -57,7 +57,7 @@ def way_sentences(motion: CameraMotion) -> list[str]:
         if camera_way.farthest_m is not None and camera_way.sigma is not None
     ]
     several = len(motion.pieces) > 1
-    return [_way_sentence(way, several) for way in camera_ways]
+    return [_way_sentence(camera_way, several) for camera_way in camera_ways]
 
 
 def _way_sentence(camera_way: CameraWay, several: bool) -> str:
@@ -99,7 +99,7 @@ def lens_sentence(focal_mm: float) -> str:
 
 
 def finding_sentence(*camera_findings: CameraFinding) -> str:
-    """Say what is not known of a camera's motion. found: all of one kind."""
+    """Say what is not known of a camera's motion, of findings of one kind."""
     spans = [
         (camera_finding.first_frame, camera_finding.last_frame)
         for camera_finding in camera_findings

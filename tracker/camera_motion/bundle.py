@@ -151,13 +151,13 @@ class _Equations:
         slot = np.where(bundle.free, np.cumsum(bundle.free) - 1, count).astype(np.int64)
         key = slot[bundle.view] * (count + 1) + slot[bundle.home[bundle.point]]
         order = np.argsort(key, kind="stable")
-        somes = []
+        batches = []
         for first in range(0, len(order), MOST_AT_ONCE):
             rows = order[first : first + MOST_AT_ONCE]
             found, starts = np.unique(key[rows], return_index=True)
-            somes.append(_Some(rows, np.stack(np.divmod(found, count + 1), axis=1), starts))
+            batches.append(_Some(rows, np.stack(np.divmod(found, count + 1), axis=1), starts))
         none = np.zeros(0)
-        return cls(slot, count, somes, none, none, none, none, none)
+        return cls(slot, count, batches, none, none, none, none, none)
 
     def build(self, bundle: Bundle) -> None:
         """Take the equations at where the bundle is."""

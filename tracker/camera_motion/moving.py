@@ -376,8 +376,8 @@ class MovingCamera:
         if count <= 0:
             return
         until = self._map.views[min(count, len(self._map.views) - 1)].frame
-        done = [one for one in self._waiting if one.frame < until]
-        self._waiting = [frame for frame in self._waiting if frame.frame >= until]
+        done = [waiting for waiting in self._waiting if waiting.frame < until]
+        self._waiting = [waiting for waiting in self._waiting if waiting.frame >= until]
         self._settle_frames(done)
 
     def _settle_frames(self, frames: list[_Frame]) -> None:

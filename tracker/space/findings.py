@@ -147,8 +147,8 @@ def _depths(judged: MotionInSpace, stance: Pin) -> Array:
 def _mirrored(judged: MotionInSpace) -> Iterator[SpaceFinding]:
     """Limbs that a keyframe may have the wrong way round in depth."""
     path, tracked = judged.path, judged.tracked
-    trajectory = tracked if path is None else tracked.carried(path.Ts_camera_world)
-    poses = {frame: trajectory.pose(frame) for frame in judged.keyframes}
+    in_camera = tracked if path is None else tracked.carried(path.Ts_camera_world)
+    poses = {frame: in_camera.pose(frame) for frame in judged.keyframes}
     rate = judged.frames_per_second
     for limb in mirrored_limbs(judged.skeleton, judged.camera, poses, rate):
         yield SpaceFinding(

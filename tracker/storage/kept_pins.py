@@ -131,8 +131,8 @@ def _floored(
 ) -> tuple[Session, tuple[Solved, ...]]:
     """The session with the floor with which its longest stretch is solved for, its height and its
     tilt, which gives way a little; and all stretches on that."""
-    segment_runs = [run for run in runs if any(pin.floor for pin in run.pins)]
-    longest = max(segment_runs, key=lambda run: run.span[1] - run.span[0])
+    floored = [run for run in runs if any(pin.floor for pin in run.pins)]
+    longest = max(floored, key=lambda run: run.span[1] - run.span[0])
     found: dict[Span, Solved] = {}
     for run in (longest, *(run for run in runs if run is not longest)):
         problem = asked(session, run).problem

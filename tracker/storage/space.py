@@ -185,19 +185,19 @@ def _held(session: Session, pins: Sequence[Pin]) -> list[_Held]:
     standing on its toe alone.
     """
     body, upright = session.subject.body, session.world.up_world is not None
-    helds: list[_Held] = []
+    held_points: list[_Held] = []
     for pin in sorted(pins, key=lambda pin: pin.first_frame):
         part = body.index(pin.part)
         for place in pin.points(body):
             above = pin.above_floor_m(body, place) if pin.floor and upright else None
             point = PinnedPoint(part, place, *pin.span, above)
-            before = next((held for held in helds if _goes_on(held, pin, point)), None)
+            before = next((held for held in held_points if _goes_on(held, pin, point)), None)
             if before is None:
-                helds.append(_Held((pin,), point))
+                held_points.append(_Held((pin,), point))
                 continue
             joined = replace(before.point, last_frame=pin.last_frame)
-            helds[helds.index(before)] = _Held((*before.pins, pin), joined)
-    return helds
+            held_points[held_points.index(before)] = _Held((*before.pins, pin), joined)
+    return held_points
 
 
 def _goes_on(before: _Held, pin: Pin, point: PinnedPoint) -> bool:

@@ -307,14 +307,14 @@ class Tracker:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
         start, end = self.keyposes[first], self.keyposes[last]
-        imported, own, trajectory = None, None, self._first_motion
-        if trajectory is not None and any(a <= first and last <= b for a, b in self._own):
-            imported = displaced(trajectory, start, end, first, last)
+        imported, own, motion = None, None, self._first_motion
+        if motion is not None and any(a <= first and last <= b for a, b in self._own):
+            imported = displaced(motion, start, end, first, last)
             if settings.initial == "auto":
                 settings = settings.model_copy(update={"initial": "import"})
             own = imported if settings.initial == "import" else None
-        elif trajectory is not None:
-            imported = fit_to_keyframes(trajectory, start, end, first, last)
+        elif motion is not None:
+            imported = fit_to_keyframes(motion, start, end, first, last)
         clip = self.pictures(span)
         segment = Segment(first, last, start, end, clip, imported, own, self._to_posed_s(span))
         method = self._method(settings)

@@ -177,7 +177,8 @@ class ClipLoader:
 
     def _covering(self, first: int, last: int) -> Clip | None:
         """A ready clip that holds these frames."""
-        ready = dict(self._ready)
+        # by items, each of which holds its clip: a segment of another thread may end meanwhile
+        ready = dict(self._ready.items())
         around = (clip for span, clip in ready.items() if span[0] <= first and last <= span[1])
         return ready.get((first, last)) or next(around, None)
 

@@ -107,8 +107,8 @@ def charts_section(subject: Subject) -> Html:
         "show how well it determines each group of parts; where they are hatched it does too "
         f"little, and the motion follows the {of_evidence.led_by}."
     )
-    html = element("p", words, class_="quiet") if tracks else None
-    pieces = [_section("Over time", html, over_time(subject))]
+    explained = element("p", words, class_="quiet") if tracks else None
+    pieces = [_section("Over time", explained, over_time(subject))]
     if tracks and of_evidence.has_passes:
         charts = [score_chart(track) for track in tracks[:MOST_SCORES]]
         words = "The difference of brightness that is left after every pass; lower is better."

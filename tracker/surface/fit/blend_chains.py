@@ -51,10 +51,11 @@ def join_chains(
     if missing:
         return _join_partial(skeleton, span, chains, missing)
     whole = [_complete(chain, keyposes) for chain in chains]
-    links, two = whole[0], whole[-1]
+    first, second = whole[0], whole[-1]
     if len(whole) == 1:
-        return JoinedChains(tuple(links), None)
-    return JoinedChains(tuple(_blend(skeleton, links, two)), _joint_distances(skeleton, links, two))
+        return JoinedChains(tuple(first), None)
+    distances = _joint_distances(skeleton, first, second)
+    return JoinedChains(tuple(_blend(skeleton, first, second)), distances)
 
 
 def _complete(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
@@ -133,22 +134,22 @@ def _chain_weight(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
     return np.asarray(max(nearness, 1e-3) / mean**TRUST_POWER)
 
 
-def _interpolate(pose: Pose, other: Pose, share: Array | float) -> Pose:
-    """Interpolate from one pose (share 0) to the other (share 1), part by part."""
-    shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(pose.Rs_parent_part),))
-    turn = log_rotation(transpose(pose.Rs_parent_part) @ other.Rs_parent_part)
-    Rs = pose.Rs_parent_part @ exp_rotation(shares[:, None] * turn)
-    root = (1 - shares[0]) * pose.p_camera_root + shares[0] * other.p_camera_root
+def _interpolate(first: Pose, second: Pose, share: Array | float) -> Pose:
+    """A pose between two, part by part: the first one at share 0, the second one at 1."""
+    shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(first.Rs_parent_part),))
+    turn = log_rotation(transpose(first.Rs_parent_part) @ second.Rs_parent_part)
+    Rs = first.Rs_parent_part @ exp_rotation(shares[:, None] * turn)
+    root = (1 - shares[0]) * first.p_camera_root + shares[0] * second.p_camera_root
     return Pose(Rs, root)
 
 
-def _blend(skeleton: Skeleton, links: Sequence[Link], two: Sequence[Link]) -> list[Link]:
+def _blend(skeleton: Skeleton, first: Sequence[Link], second: Sequence[Link]) -> list[Link]:
     """Two chains as one; the keyframes at both ends stay as they are."""
     inner = [
-        blend_links(skeleton, ahead, behind, k / (len(links) - 1))
-        for k, (ahead, behind) in enumerate(zip(links, two, strict=True))
+        blend_links(skeleton, ahead, behind, k / (len(first) - 1))
+        for k, (ahead, behind) in enumerate(zip(first, second, strict=True))
     ]
-    return [links[0], *inner[1:-1], two[-1]]
+    return [first[0], *inner[1:-1], second[-1]]
 
 
 def _joint_distances(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:
