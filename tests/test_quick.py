@@ -12,10 +12,13 @@ import pytest
 from tests.quick import ROOT, Choice, changed_files, choose, words
 
 TREE = {
-    "tests/app/cli/test_open.py": "import keypose.app.store.ahead",
+    "tests/app/cli/test_open.py": "import keypose.app.store.ahead, tests.app.store.shared",
     "tests/app/store/test_ahead.py": "from keypose.app.store import ahead",
     "tests/app/store/test_ahead_again.py": "import numpy as np",
-    "tests/app/store/test_tabs.py": "from keypose.app.store.ahead import Ahead",
+    "tests/app/store/shared.py": "",
+    "tests/app/store/test_tabs.py": (
+        "from keypose.app.store.ahead import Ahead\nfrom tests.app.store import shared"
+    ),
     "tests/app/serving.py": "",
     "tests/bench/test_up.py": "import bench.up",
     "tests/browser/test_tabs.py": "from tests.app.serving import Keypose",
@@ -67,7 +70,11 @@ def root(tmp_path: Path) -> Path:
         ("static/__init__.py", Choice(own=("tests/page/test_modules.py",))),
         ("tests/page/edits.test.js", Choice(own=("tests/page/test_modules.py",))),
         (f"{PLACE}tabs.py", Choice(edited=(f"{PLACE}tabs.py",))),
-        # What tests share is tested by who imports it, but never in a browser.
+        # What tests share is tested by who imports it, the nearest first, but never in a browser.
+        (
+            "tests/app/store/shared.py",
+            Choice(importing=(f"{PLACE}tabs.py", "tests/app/cli/test_open.py")),
+        ),
         (
             "tests/app/serving.py",
             Choice(

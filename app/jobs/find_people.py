@@ -44,5 +44,5 @@ class FindPeople(Fit):
             raise KeypointError(
                 f"Frame {self.frame} cannot be read, so nobody was looked for in it."
             ) from error
-        found_persons = sorted(finder.near_or_far(picture), key=lambda person: -person.height_px)
-        return tuple(person.box for person in found_persons)
+        people = sorted(finder.near_or_far(picture), key=lambda person: -person.height_px)
+        return tuple(person.box for person in people)
