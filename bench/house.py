@@ -34,6 +34,8 @@ CAUSES = frozenset(
     ("uncertain", "not_seen", "beyond_limits", "diverged", "damaged", "depth", "not_followed")
 )
 """Some of what a segment is to be checked for, by which tables of words are recognised."""
+HELD = frozenset(("results", "previews", "stands_in", "KnownMotion"))
+"""Names, or types, of attributes in which the motion that is known now is kept."""
 LONGEST_JS = 120
 """Characters of a line of the page's scripts."""
 PACKAGES = ("camera_motion", "fitting", "keypoints")
@@ -171,11 +173,25 @@ def _keys(table: ast.Dict) -> set[str]:
 
 def motion_holders(tree: Tree) -> int:
     """Attributes of the program in which the motion that is known now is kept."""
-    held = re.compile(
-        r"(?:self\.|^    )(results|previews|stands_in)(?:: [^=\n]+)? = ", re.MULTILINE
+    return sum(
+        len(set(_attributes(node)) & HELD)
+        for path, module in tree.product.items()
+        if path.startswith(("app/editor/", "app/store/", "app/working/"))
+        for node in module.body
+        if isinstance(node, ast.ClassDef) and node.name != "KnownMotion"  # what is held
     )
-    texts = tree.files(".py", "app/editor", "app/store")
-    return sum(len(set(held.findall(text))) for text in texts.values())
+
+
+def _attributes(owner: ast.ClassDef) -> Iterator[str]:
+    """Names of what a class and its methods set, and types that fields are declared with."""
+    for node in owner.body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            yield node.target.id
+            yield ast.unparse(node.annotation)
+    for node in ast.walk(owner):
+        match node:
+            case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Store()):
+                yield name
 
 
 def circles(tree: Tree) -> int:

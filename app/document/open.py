@@ -18,6 +18,7 @@ from keypose.app.document.new import (
 )
 from keypose.app.editor.documents import with_times
 from keypose.app.editor.frames import first_pose
+from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose
@@ -139,7 +140,7 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
         skeleton=Skeleton.of(session.subject.body),
         file_times_s=opened.video.info.times_s,
         opening=_STANDING.of(session)(opening, session.subject.body, opened.video),
-        results=results,
+        motion=KnownMotion(results),
         history=opened.history,
         frame=session.subject.keyframes[0].frame if session.subject.keyframes else 0,
         selected=session.subject.body.parts[0].name,

@@ -44,8 +44,7 @@ def at_hand(state: EditorState) -> EditorState:
         return state
     assert state.stroke is not None
     tracked = _tracked(ById(state.results), ById(state.stroke.before))
-    is_its = state.previews.gesture == state.stroke.name
-    previews = state.previews.by_span if is_its else {}
+    previews = state.motion.previews_of(state.stroke.name)
     at = _by_frame(state.doc.subject.keyframes)
     fitting = {span: tracked[span] for span in state.doc.spans if span in tracked}
     for span in moved:
@@ -55,16 +54,16 @@ def at_hand(state: EditorState) -> EditorState:
             start, end = (at[frame].pose(state.skeleton) for frame in span)
             motion = displaced(segment_result.trajectory, start, end, *span)
             fitting[span] = SegmentResult.on_the_way(Pass("bent", motion, None))
-    return replace(state, stroke=None, stands_in=fitting)
+    return replace(state, stroke=None, motion=replace(state.motion, bent=fitting))
 
 
-def let_go(state: EditorState, results: Results) -> Results:
+def let_go(state: EditorState) -> Results:
     """The results once the gesture under way ends as it is: with the previews of its poses, and
     where there is none its bent motion, until the segment is tracked."""
-    moved, shown = moved_spans(state), at_hand(state).fitting
+    moved, shown, results = moved_spans(state), at_hand(state).fitting, state.results
     keys = segment_keys(state.doc)
     for span in moved:
-        preview = state.previews.by_span.get(span)
+        preview = state.motion.previews.get(span)
         if preview is not None and preview.key == keys[span]:
             results = results.with_result(preview, tuple(keys.values()))
         elif keys[span] not in results.by_key and span in shown:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from keypose.app.editor.copied import Copied
 from keypose.app.editor.documents import require_sound
 from keypose.app.editor.frames import even_motion, first_pose
+from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.outdated import up_to_date
 from keypose.app.posing import PlacedCorner, Readout
 from keypose.tracker.body.pose import Pose
@@ -24,9 +24,8 @@ from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin, pins_apart
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.results import Fitting, Results, Span, pose_at
+from keypose.tracker.storage.results import Fitting, Results, pose_at
 from keypose.tracker.storage.sidecars import OwnMotion
-from keypose.tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
     from keypose.tracker.video.info import Timecode
@@ -66,14 +65,6 @@ class Stroke:
 
 
 @dataclass(frozen=True, eq=False)
-class Previews:
-    """The newest preview of each segment that a gesture changes. gesture: its name."""
-
-    gesture: str = ""
-    by_span: Mapping[Span, SegmentResult] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
 class PosedByCorners:
     """The pose of a frame, seen by a camera, that some corners led to."""
 
@@ -93,15 +84,14 @@ class EditorState:
     body is shown beside this one's, as an outline.  proposed_pins: what was proposed when the
     pins changed last, until it is known anew; dismissed_pins: what was refused of it.  kept: the
     motion from before it was reduced to keyframes.  posed_by_corners: poses of boxes whose corners
-    were put in their places, the latest last.  previews: what was found for poses of a gesture.
-    stands_in: shown in place of the results of the present segments; None where these are.
+    were put in their places, the latest last.
     """
 
     doc: Session
     skeleton: Skeleton
     file_times_s: Array
     opening: Pose
-    results: Results = field(default_factory=Results)
+    motion: KnownMotion = field(default_factory=KnownMotion)
     history: History = field(default_factory=History)
     frame: int = 0
     selected: str | None = None
@@ -115,8 +105,6 @@ class EditorState:
     timecode: Timecode | None = None
     kept: OwnMotion | None = None
     posed_by_corners: tuple[PosedByCorners, ...] = ()
-    previews: Previews = Previews()
-    stands_in: Fitting | None = None
 
     @property
     def camera(self) -> Camera:
@@ -142,14 +130,25 @@ class EditorState:
         """The document without the gesture under way."""
         return self.doc if self.stroke is None else self.stroke.before
 
+    @property
+    def results(self) -> Results:
+        """What was tracked, whichever keyframes it is of."""
+        return self.motion.results
+
     @cached_property
     def fitting(self) -> Fitting:
-        """The results of the present segments, or what stands in for them."""
-        return self.results.fitting(self.doc) if self.stands_in is None else self.stands_in
+        """The motion of the present segments."""
+        return self.motion.fitting(self.doc)
 
     def tracked(self, frame: int) -> Pose | None:
         """The tracked pose at a frame."""
         return pose_at(self.fitting, frame)
+
+    def with_results(self, results: Results) -> EditorState:
+        """The same with what else was tracked by now."""
+        if results is self.results:
+            return self
+        return replace(self, motion=replace(self.motion, results=results))
 
     def between(
         self, doc: Session, start: int, end: int, frames: NDArray[np.int64]

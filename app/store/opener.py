@@ -12,10 +12,11 @@ from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.render.video_frames import Frames
 from keypose.app.state.app_state import OpenedFile
-from keypose.app.store.background import Examiner
-from keypose.app.store.owner import StateOwner
-from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
+from keypose.app.working.examining import Examiner
+from keypose.app.working.owner import StateOwner
+from keypose.app.working.queue import WorkQueue
+from keypose.app.working.segments import SegmentTracker
 from keypose.tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
 
 SECONDS_BETWEEN_LOOKS = 3.0
@@ -31,13 +32,14 @@ class Opener:
         host: StateOwner,
         library: Library,
         writer: SessionWriter,
-        runner: Runner,
+        queue: WorkQueue,
+        segments: SegmentTracker,
     ) -> None:
         self._loop = loop
         self._host = host
         self._library = library
         self._writer = writer
-        self._runner = runner
+        self._queue, self._segments = queue, segments
         self._one_at_a_time = asyncio.Lock()
         self._warned: str | None = None
         self._looking: asyncio.Task[None] | None = None
@@ -158,7 +160,7 @@ class Opener:
 
     async def _settle(self) -> None:
         """Have everything written, as far as the disk takes it, with what is tracked until now."""
-        await self._runner.leave()
+        await self._segments.leave()
         self._writer.saver.retry()
         while True:
             self._host.end_gesture()
@@ -191,7 +193,7 @@ class Opener:
                 kept = self._writer.is_logged
                 await self._release()
         finally:
-            await asyncio.to_thread(self._runner.stop)
+            await asyncio.to_thread(self._queue.stop)
         if problem is not None:
             rest = "The last changes are in its journal." if kept else "The last changes are lost."
             raise SessionError(f"{problem} {rest}")

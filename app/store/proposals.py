@@ -8,9 +8,9 @@ from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.jobs.reduce import ReduceMotion
 from keypose.app.state.previews import ReductionPreview
-from keypose.app.store.fitter import Fitter
-from keypose.app.store.owner import StateOwner
 from keypose.app.store.saving import WriteLock
+from keypose.app.working.fitting import Fitter
+from keypose.app.working.owner import StateOwner
 
 
 class Proposals:

@@ -22,7 +22,7 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.wire import failure_message
 from keypose.app.state.app_state import Saved
-from keypose.app.store.owner import StateOwner
+from keypose.app.working.owner import StateOwner
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.edit_history import Received

@@ -16,7 +16,7 @@ from keypose.app.editor.notes import Rename
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.pose_strokes import pose_strokes
-from keypose.app.store.owner import StateOwner
+from keypose.app.working.owner import StateOwner
 from keypose.tracker.errors import KeyposeError
 
 FILE = "poses.json"

@@ -22,9 +22,10 @@ from keypose.app.document.library.names import clean_name
 from keypose.app.document.open import OpenSession, with_kept_motion
 from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.live import moved_spans
 from keypose.app.editor.message import Look
-from keypose.app.editor.state import EditorState, Previews
+from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, update
 from keypose.app.export.importing import Import
 from keypose.app.jobs.wire import failure_message
@@ -38,22 +39,28 @@ from keypose.app.state.app_state import (
     SurfaceSeen,
 )
 from keypose.app.state.job_state import JobState
-from keypose.app.store.background import DraftLearner, KeypointFinder, PeopleLooker
 from keypose.app.store.faults import Fault, Faults
-from keypose.app.store.fitter import Fitter
 from keypose.app.store.guide import guide_after
 from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
 from keypose.app.store.opener import Opener
 from keypose.app.store.proposals import Proposals
-from keypose.app.store.runner import Runner
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.sections import PLACES, Sections
 from keypose.app.store.session_manager import PoseLibrary, Shelf
 from keypose.app.store.tabs import Clients, Tab, Tabs, split_envelope
 from keypose.app.words.problems import repeats_words
+from keypose.app.working.fitting import Fitter
+from keypose.app.working.keypoints import KeypointFinder
+from keypose.app.working.learning import DraftLearner
+from keypose.app.working.people import PeopleLooker
+from keypose.app.working.previews import HandPreviews
+from keypose.app.working.queue import WorkQueue
+from keypose.app.working.segments import SegmentTracker
+from keypose.app.working.space import SpaceSolving
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.storage.edit_history import mark_of
+from keypose.tracker.storage.results import Results
 from keypose.tracker.video import VideoInfo
 
 SECONDS_BETWEEN_PROGRESS = 0.2
@@ -90,10 +97,15 @@ class Store:
         self._sections = Sections()
         self._tabs = Tabs()
         self._faults = Faults(self.note)
-        self._runner = Runner(loop, self._on_progress, self._on_previews)
-        self._fitter = Fitter(self._runner, self)
-        self._learner = DraftLearner(self._runner, self)
-        self._people = PeopleLooker(self._runner, self, lambda people: self._set(people=people))
+        self._queue = WorkQueue(loop, self._on_progress)
+        self._segments = SegmentTracker(self._queue, self)
+        self._previews = HandPreviews(self._queue, self)
+        self._fitter = Fitter(self._queue, self, self._segments)
+        self._learner = DraftLearner(self._queue, self)
+        self._space = SpaceSolving(self._queue, self)
+        waiting = (self._segments, self._previews, self._learner, self._space)
+        self._queue.serve(*(client.go_on for client in waiting))
+        self._people = PeopleLooker(self._queue, self, lambda people: self._set(people=people))
         self._keypoints = KeypointFinder(
             loop, lambda known_keypoints: self._set(keypoints=known_keypoints)
         )
@@ -103,7 +115,7 @@ class Store:
         self._next_progress = 0.0
         self._tasks: set[asyncio.Task[None]] = set()
         self._writer = SessionWriter(loop, self, library, self._on_saved)
-        self._opener = Opener(loop, self, library, self._writer, self._runner)
+        self._opener = Opener(loop, self, library, self._writer, self._queue, self._segments)
         self._shelf = Shelf(self, library)
         self._proposals = Proposals(self, self._fitter, self._writer.lock)
         self._clients = Clients()
@@ -218,24 +230,27 @@ class Store:
             up=up if up is not None and edit.doc is up.after else None,
         )
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):
-            self._runner.pause(edit.stroke is not None)
+            self._queue.pause(edit.stroke is not None)
         received = self._clients.received(edit.stroke.name if edit.stroke else None)
         if self._writer.log(edit, received):
             self._set(revision=received.revision)
             self._writer.save()
         if before is None:
             return
-        if edit.stroke is None and edit.doc is not before.settled:
-            self._runner.changed(self.opened, edit)
-            self._take_previewed()
+        is_done = edit.stroke is None and edit.doc is not before.settled
+        if is_done:
+            self._segments.changed(before)
+            self._previews.let_go()
             self._learner.edited(before, edit)
-            self._solve_space()
         elif moved_spans(edit) and edit.doc is not before.doc:
-            self._runner.dragged(self.opened, edit)
+            self._segments.dragged()
+            self._previews.dragged()
         elif before.stroke is not None and edit.stroke is None:
-            self._runner.forget_hand()
+            self._previews.let_go()
         self._fitter.changed()
         self._learner.go_on()
+        if is_done:
+            self._queue.go_on()
 
     def _set(self, **changes: Any) -> None:
         self._app_state = replace(self._app_state, **changes)
@@ -281,9 +296,21 @@ class Store:
 
     # --- tracking
 
-    def _on_progress(self, runner: Runner, finished: bool) -> None:
-        """The tracker has new results or progress."""
-        was, job = self._app_state.job, runner.job
+    def know(self, results: Results) -> None:
+        """More is known of the motion. It is shown with the next progress, for passes come faster
+        than any page can draw them."""
+        self._app_state = replace(
+            self._app_state, edit=self._app_state.editing.with_results(results)
+        )
+
+    def show_motion(self, motion: KnownMotion) -> None:
+        """Another motion is known, or shown, while a hand moves a keyframe: at once."""
+        if motion is not self._app_state.editing.motion:
+            self._set(edit=replace(self._app_state.editing, motion=motion))
+
+    def _on_progress(self, finished: bool) -> None:
+        """The worker has reported something, or does something else."""
+        was, job = self._app_state.job, self._queue.state
         is_another = (job.state, job.title) != (was.state, was.title)
         if finished or is_another or self._loop.time() >= self._next_progress:
             self._take_progress()
@@ -295,39 +322,21 @@ class Store:
                 self._writer.save_soon()
             else:
                 self._writer.save()
-                self._learner.go_on()
-                self._solve_space()
-
-    def _on_previews(self, previews: Previews) -> None:
-        """The tracker has followed a hand's move: shown at once."""
-        if (edit := self._app_state.edit) is not None:
-            self._set(edit=replace(edit, previews=previews))
-
-    def _take_previewed(self) -> None:
-        """Take over what was found during a gesture for the poses it ended with."""
-        edit, results = self._app_state.edit, self._runner.results
-        if edit is not None and results is not None and results is not edit.results:
-            self._set(edit=replace(edit, results=results))
-
-    def _solve_space(self) -> None:
-        """The motion in space follows by itself from what was tracked, where it may be saved."""
-        edit = self._app_state.edit
-        if edit is not None and not self._writer.lock.read_only:
-            self._runner.solve_space(edit)
 
     def _take_progress(self) -> None:
-        """Take over what the tracker has reported until now."""
+        """Take over what the worker has reported until now."""
         if self._progress_later is not None:
             self._progress_later.cancel()
             self._progress_later = None
-        edit, runner = self._app_state.edit, self._runner
+        edit = self._app_state.edit
         is_dragged = edit is not None and edit.stroke is not None
         rest = SECONDS_IN_A_GESTURE if is_dragged else SECONDS_BETWEEN_PROGRESS
         self._next_progress = self._loop.time() + rest
-        if edit is not None and runner.results is not None:
-            edit = replace(edit, results=runner.results)
-        self._set(edit=edit, job=runner.job, running=dict(runner.running))
-        self._set(following=runner.following)
+        self._set(
+            job=self._queue.state,
+            running=dict(self._segments.running),
+            following=self._fitter.following,
+        )
 
     def _run_action(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):
@@ -340,7 +349,7 @@ class Store:
             self._writer.saver.retry()
         elif isinstance(action, actions.Cancel):
             if not self._fitter.cancel():
-                self._runner.cancel()
+                self._queue.cancel()
         elif isinstance(action, actions.FindPeople):
             self._people.look(action.frame)
         elif isinstance(action, actions.LookBefore):
@@ -364,7 +373,8 @@ class Store:
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
                 self._set(edit=self._app_state.edit.with_proposals_anew())
-                self._runner.track(self.opened, self._app_state.edit, action.what, action.frames)
+                self._space.anew()
+                self._segments.track(action.what, action.frames)
             else:
                 self._fitter.ask(action)
 
@@ -453,21 +463,22 @@ class Store:
             edit=edit,
             guide=Guide(first=not edit.doc.subject.keyframes),
         )
-        self._runner.opened(edit)
+        self._space.anew()
         self.lock_changed()
 
     def lock_changed(self) -> None:
         """Who may write the open session is known, or another one by now."""
         read_only = self._writer.lock.read_only
         self._set(saved=Saved("readonly" if read_only else "saved", 0.0, read_only))
-        self._solve_space()
+        self._queue.go_on()
 
     def session_closed(self) -> None:
         """Nothing is open any more."""
         self._fitter.closed()
         self._learner.closed()
         self._keypoints.closed()
-        self._runner.closed()
+        self._segments.closed()
+        self._queue.closed()
         self._writer.close()
         self._clients = Clients()
         self._set(

@@ -207,7 +207,7 @@ class Desk:
         results = self.state.results
         for stretch in results.unsolved(doc):
             results = results.with_space(solved(doc, stretch))
-        self.state = replace(self.state, results=results)
+        self.state = self.state.with_results(results)
 
     def _context(self, take: Callable[[Report], None]) -> Context:
         return Context(1, self._cache, self._threads, never, take)
@@ -216,7 +216,7 @@ class Desk:
         found = found_in(report)
         if isinstance(found, SegmentFinished):
             results = self.state.results.with_result(found.result, self.state.results.by_key)
-            self.state = replace(self.state, results=results)
+            self.state = self.state.with_results(results)
 
 
 def ignored(report: Report) -> None:

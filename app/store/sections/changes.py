@@ -84,7 +84,7 @@ def _in_hand(app_state: AppState) -> tuple[Any, ...]:
     edit = app_state.edit
     if edit is None or not moved_spans(edit):
         return ()
-    return edit.doc.subject.keyframes, edit.previews
+    return edit.doc.subject.keyframes, edit.motion.previews
 
 
 def _before_camera(app_state: AppState) -> tuple[Any, ...]:

@@ -17,9 +17,9 @@ import pytest
 from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
 from keypose.app.document.library import Library
 from keypose.app.document.open import OpenSession, copy_session, edit_state
-from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab
+from keypose.app.working import queue
 from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.files import journal_path, load_session, open_session
 from keypose.tracker.storage.journal import Journal, read_journal
@@ -42,7 +42,7 @@ async def store(path: Path) -> AsyncIterator[Store]:
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", IdleWorker)
+    monkeypatch.setattr(queue, "JobRunner", IdleWorker)
 
 
 async def done(store: Store, *actions: dict[str, Any]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from keypose.app.document import edit_log
-from keypose.app.store import runner
+from keypose.app.working import queue
 from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import load_session, open_session
@@ -28,7 +28,7 @@ CALLS = ("write", "fsync", "open", "ftruncate", "rename", "replace", "link", "ls
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", IdleWorker)
+    monkeypatch.setattr(queue, "JobRunner", IdleWorker)
 
 
 @pytest.fixture

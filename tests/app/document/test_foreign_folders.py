@@ -13,7 +13,7 @@ from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import NotALock, SessionLock
 from keypose.app.document.open import open_for_editing
 from keypose.app.jobs.batch.journal import FOLDER, NAME
-from keypose.app.store import runner
+from keypose.app.working import queue
 from keypose.tracker.errors import SessionError
 from keypose.tracker.storage.files import load_session
 from tests.app.cli_cases import refused
@@ -169,7 +169,7 @@ def test_overwriting_an_export_replaces_a_link_and_not_what_it_leads_to(
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(runner, "Tracking", IdleWorker)
+    monkeypatch.setattr(queue, "JobRunner", IdleWorker)
     return sample(tmp_path).parent
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import opening_pose
 from keypose.app.state.app_state import AppState
@@ -51,7 +52,7 @@ def _edit(path: Path) -> EditorState:
         skeleton=Skeleton.of(session.subject.body),
         file_times_s=np.arange(session.view.video.frame_count) / 30,
         opening=opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0)),
-        results=load_results(session, path),
+        motion=KnownMotion(load_results(session, path)),
     )
 
 

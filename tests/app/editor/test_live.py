@@ -11,7 +11,7 @@ import pytest
 from keypose.app.editor.live import at_hand, let_go, moved_spans
 from keypose.app.editor.motion import EndTrail, end_trail
 from keypose.app.editor.shown import find
-from keypose.app.editor.state import EditorState, Previews, Stroke
+from keypose.app.editor.state import EditorState, Stroke
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.results import Results, segment_keys
@@ -46,12 +46,19 @@ def track(state: EditorState, span: tuple[int, int], aside_m: float) -> SegmentR
     return replace(found, verdict=GOOD)
 
 
+def previewed(
+    state: EditorState, gesture: str, found: dict[tuple[int, int], SegmentResult]
+) -> EditorState:
+    """The same with previews for poses of a gesture."""
+    return replace(state, motion=replace(state.motion, gesture=gesture, previews=found))
+
+
 def live() -> EditorState:
     """All segments tracked, at the keyframe of frame 24."""
     state, results = desk(), Results()
     for span in state.doc.spans:
         results = results.with_result(track(state, span, 0.1))
-    return after(replace(state, results=results), LIVE, *AT_24)
+    return after(state.with_results(results), LIVE, *AT_24)
 
 
 def test_the_trail_of_both_segments_follows_a_keyframe_that_is_moved() -> None:
@@ -88,10 +95,10 @@ def test_what_a_preview_found_for_an_earlier_move_is_bent_to_this_one() -> None:
     found = {(0, 24): track(before, (0, 24), 0.3)}
     during = after(before, turned(-70))
     without = trail(during).p_camera
-    apart = trail(replace(during, previews=Previews("s", found))).p_camera - without
+    apart = trail(previewed(during, "s", found)).p_camera - without
     assert apart[12, 0] == pytest.approx(0.2, abs=0.02)
     np.testing.assert_allclose(apart[[0, *range(24, 49)]], 0.0, atol=1e-9)
-    other = replace(during, previews=Previews("another gesture", found))
+    other = previewed(during, "another gesture", found)
     np.testing.assert_allclose(trail(other).p_camera, without)
 
 
@@ -100,7 +107,7 @@ def test_a_new_keyframe_parts_the_segment_it_is_set_in() -> None:
     during = after(live(), {"do": "go", "frame": 30})
     assert during.doc.subject.keyframes != state.doc.subject.keyframes
     gesture = Stroke("s", during.doc, "Add a keyframe", 30)
-    during = replace(state, stroke=gesture, results=during.results)
+    during = replace(state, stroke=gesture).with_results(during.results)
     assert moved_spans(during) == ((24, 30), (30, 48))
     np.testing.assert_allclose(trail(during).p_camera, trail(live()).p_camera[24:], atol=1e-9)
 
@@ -108,13 +115,13 @@ def test_a_new_keyframe_parts_the_segment_it_is_set_in() -> None:
 def test_when_the_hand_lets_go_the_motion_stays_until_it_is_tracked() -> None:
     during = after(live(), turned(-70))
     found = replace(track(during, (0, 24), 0.3), quality="preview")
-    during = replace(during, previews=Previews("s", {(0, 24): found}))
+    during = previewed(during, "s", {(0, 24): found})
     ended = after(during, {"do": "end_stroke", "stroke": "s"})
-    results = let_go(during, ended.results)
+    results = let_go(during)
     assert results.fitting(ended.doc)[0, 24] is found
     wanted = [(first, last) for first, last, _ in results.wanted(ended.doc)]
     assert wanted == [(0, 24), (24, 48)], "what is kept for now is not what was asked for"
     previews = [(first, last) for first, last, _ in results.wanted(ended.doc, "preview")]
     assert previews == [(24, 48)]
-    kept = trail(replace(ended, results=results)).p_camera
+    kept = trail(ended.with_results(results)).p_camera
     np.testing.assert_allclose(kept, trail(during).p_camera, atol=1e-9)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -28,7 +26,7 @@ def tracked_desk() -> EditorState:
     moved = Trajectory(0, path.Rs_parent_part, path.ps_camera_root + np.array([0.1, 0, 0]))
     key = segment_keys(state.doc)[0, 24]
     results = Results().with_result(SegmentResult.on_the_way(Pass("pass", moved, 1.0), key))
-    return after(replace(state, results=results), {"do": "go", "frame": MIDDLE})
+    return after(state.with_results(results), {"do": "go", "frame": MIDDLE})
 
 
 def tracked_pose(state: EditorState) -> Pose:
@@ -90,10 +88,10 @@ def test_what_was_found_in_the_film_gives_way_to_what_is_tracked_later(found_by:
     found = found_in_the_film(posed, found_by)
     assert shown_pose(posed).source == "draft"
     assert shown_pose(found).source == "tracked"
-    untracked = replace(found, results=Results())
+    untracked = found.with_results(Results())
     assert shown_pose(untracked).source == "draft"
     corrected = after(untracked, {"do": "angles", "part": "left_forearm", "x": -40})
-    assert shown_pose(replace(corrected, results=found.results)).source == "draft"
+    assert shown_pose(corrected.with_results(found.results)).source == "draft"
 
 
 def test_the_curve_of_angles_shows_the_pose_that_is_shown() -> None:
@@ -105,7 +103,7 @@ def test_the_curve_of_angles_shows_the_pose_that_is_shown() -> None:
     tracked = angles(found, "left_forearm")
     assert abs(tracked[0] + 50) > 1
     np.testing.assert_allclose(angle_curve(found, forearm)[MIDDLE], tracked, atol=1e-3)
-    untracked = replace(found, results=Results())
+    untracked = found.with_results(Results())
     np.testing.assert_allclose(angle_curve(untracked, forearm)[MIDDLE][0], -50, atol=1e-3)
 
 

@@ -53,7 +53,7 @@ def stepping(stands: tuple[int, int], m_per_frame: float = 0.05) -> EditorState:
     path = Trajectory(0, np.repeat(pose.Rs_parent_part[None], 25, axis=0), ps)
     key = segment_keys(edit.doc)[0, 24]
     found = replace(SegmentResult.on_the_way(Pass("pass", path, 1.0), key), verdict=GOOD)
-    return replace(edit, results=Results({key: found}))
+    return edit.with_results(Results({key: found}))
 
 
 # --- setting

@@ -51,7 +51,7 @@ def doubting(**peaks: tuple[int, float]) -> EditorState:
         rows = replace(rows, expected_error=error[first : last + 1])
         track = SegmentResult.on_the_way(Pass("pass", path, 1.0), key)
         found[key] = replace(track, verdict=GOOD, diagnostics=rows)
-    return replace(edit, results=Results(found))
+    return edit.with_results(Results(found))
 
 
 def first_segment(state: EditorState) -> SegmentResult:
@@ -59,7 +59,7 @@ def first_segment(state: EditorState) -> SegmentResult:
 
 
 def with_segment(state: EditorState, found: SegmentResult) -> EditorState:
-    return replace(state, results=Results({**state.results.by_key, found.key: found}))
+    return state.with_results(Results({**state.results.by_key, found.key: found}))
 
 
 ARM_AND_FOOT = {"right_forearm": (10, 14.0), "left_foot": (40, 8.0)}
@@ -249,7 +249,7 @@ def test_a_limb_that_was_keyed_by_itself_is_right_there() -> None:
     found = first_segment(state)
     keyed = after(state, {"do": "key_parts", "frame": 10, "parts": ["right_forearm"]})
     again = replace(found, key=segment_keys(keyed.doc)[0, 24])
-    places = named(replace(keyed, results=Results({again.key: again})))
+    places = named(keyed.with_results(Results({again.key: again})))
     assert (10, "right_forearm") not in places
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,7 +51,7 @@ def tracked(state: EditorState, smooth: bool = True) -> EditorState:
         empty: Any = None
         found = SegmentResult(moved, GOOD, empty, (1.0,), ("pass",), key=key, quality="full")
         results = results.with_result(found)
-    return replace(state, results=results)
+    return state.with_results(results)
 
 
 def softness(state: EditorState, frame: int) -> Any:

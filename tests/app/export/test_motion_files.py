@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_files import motion_archive
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
@@ -52,7 +53,8 @@ def opened(path: Path, results: Results) -> EditorState:
     with open_video_of(session, path) as video:
         times_s, timecode = video.info.times_s, video.info.timecode
     opening = opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0))
-    return EditorState(session, cases.SKELETON, times_s, opening, results, timecode=timecode)
+    motion = KnownMotion(results)
+    return EditorState(session, cases.SKELETON, times_s, opening, motion, timecode=timecode)
 
 
 def exported(path: Path, formats: str, *more: str) -> dict[str, bytes]:

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_files import motion_archive
 from keypose.app.export.report.gait import clinical_charts, gait_section
@@ -152,7 +153,7 @@ def test_page_and_command_line_write_the_same_coordinates_and_angles(
     with open_video_of(session, path) as video:
         times_s = video.info.times_s
     opening = opening_pose(session.subject.body, session.view.camera, (0.0, -1.0, 0.0))
-    edit = EditorState(session, SKELETON, times_s, opening, results)
+    edit = EditorState(session, SKELETON, times_s, opening, KnownMotion(results))
     assert main(["export", str(path), "--format", "mot,csv", "--out", str(tmp_path)]) == 0
     assert motion_archive("mot", edit).content == (tmp_path / "motion.mot").read_bytes()
     rows = (tmp_path / "motion.mot").read_text("utf-8").partition("endheader\n")[2]

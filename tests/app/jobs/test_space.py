@@ -24,7 +24,7 @@ from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.tracks import load_tracks
 from tests.app.jobs import job_cases
 from tests.app.jobs.job_cases import NUMBER
-from tests.app.jobs.test_tracking import Office, office
+from tests.app.jobs.test_job_runner import Office, office
 from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
 
 __all__ = ["office"]

@@ -15,7 +15,6 @@ from keypose.tracker.body.pose import Pose, joint_names, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.storage.results import Results
 from tests.tracker.formats import recordings
 
 Floats = NDArray[np.float64]
@@ -71,7 +70,6 @@ def _state(session: Session) -> EditorState:
         skeleton=Skeleton.of(session.subject.body),
         file_times_s=np.arange(session.view.video.frame_count) / 30,
         opening=opening_pose(session.subject.body, session.view.camera),
-        results=Results(),
         frame=0,
         selected=session.subject.body.parts[0].name,
     )

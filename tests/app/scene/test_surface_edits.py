@@ -174,7 +174,7 @@ def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> Edi
     pose = state.doc.subject.keyframes[0].pose(state.skeleton)
     path, key = interpolate(pose, pose, 0, 18), segment_keys(state.doc)[0, 18]
     track = SegmentResult.on_the_way(Pass("fit", path, 0.004), key)
-    return replace(state, results=Results({key: replace(track, verdict=verdict, missing=missing)}))
+    return state.with_results(Results({key: replace(track, verdict=verdict, missing=missing)}))
 
 
 def test_of_a_film_no_surface_is_reported() -> None:

@@ -203,7 +203,7 @@ class RandomEdits:
 
     def _end_a_job(self) -> None:
         """One of the jobs that are under way ends: as it may in earnest, cancelled, or failed."""
-        pending = self.desk.store._runner._jobs
+        pending = {number: item.job for number, item in self.desk.store._queue._items.items()}
         if not pending:
             return
         number = self.random.choice(list(pending))

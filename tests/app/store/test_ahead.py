@@ -12,8 +12,8 @@ import pytest
 from keypose.app.jobs.ahead import FollowAhead
 from keypose.app.jobs.job import Failed, Finished, Progress
 from keypose.app.state.outcomes import Following
-from keypose.app.store import runner
 from keypose.app.store.store import Store
+from keypose.app.working import queue
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.session import Session
@@ -83,7 +83,7 @@ class Desk(StoreDesk):
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from keypose.app.scene.scenery import SceneryMaker
-from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab
+from keypose.app.working import queue
 from keypose.tracker.storage.files import load_session
 from tests.app.store.random_edits import RandomEdits
 from tests.app.store.test_fitter import Desk, Worker
@@ -24,7 +24,7 @@ EDITS = 75
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 @pytest.mark.parametrize("seed", range(8, 8 + SEEDS))

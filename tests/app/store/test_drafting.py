@@ -14,7 +14,8 @@ import pytest
 from keypose.app.editor.drafted import flipped_drafts, proposed_frames
 from keypose.app.jobs.draft import DraftClip, Drafted, progress_of
 from keypose.app.jobs.job import Progress
-from keypose.app.store import runner, store
+from keypose.app.store import store
+from keypose.app.working import queue
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.modify import with_height
 from keypose.tracker.body.pose import Pose
@@ -40,7 +41,7 @@ BODY = preset("adult_male")
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 @pytest.fixture
@@ -92,7 +93,7 @@ class Desk(StoreDesk):
         key = segment_keys(edit.doc)[first, last]
         motion = interpolate(poses[first], poses[last], first, last)
         track = replace(SegmentResult.on_the_way(Pass("pass", motion, 1.0), key), verdict=GOOD)
-        self.store._set(edit=replace(edit, results=Results({key: track})))
+        self.store._set(edit=edit.with_results(Results({key: track})))
 
 
 @pytest.fixture

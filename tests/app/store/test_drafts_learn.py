@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from keypose.app.jobs.learn import LearnDrafts
-from keypose.app.store import runner
+from keypose.app.working import queue
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
@@ -23,7 +23,7 @@ ELSEWHERE = Pose.rest(Skeleton.of(BODY), (0.1, 0.0, 4.0))
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 def ordered() -> LearnDrafts:

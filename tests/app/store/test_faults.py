@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from keypose.app.state.app_state import AppState
-from keypose.app.store import runner
 from keypose.app.store.sections import PLACES, changes
+from keypose.app.working import queue
 from tests.app.store.test_fitter import Desk, Worker
 from tests.scenes import at_desk
 
@@ -19,7 +19,7 @@ FOREARM = {"do": "angles", "part": "left_forearm"}
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 def said(desk: Desk) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +17,18 @@ from keypose.app.jobs.fit_sizes import FitSizes
 from keypose.app.jobs.job import Failed, Finished
 from keypose.app.jobs.track import Track
 from keypose.app.posing import with_height
-from keypose.app.store import runner
 from keypose.app.store.store import Store
+from keypose.app.working import queue
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Pass, interpolate
+from keypose.tracker.body.trajectory import Pass
 from keypose.tracker.fitting.sizes import Proposal, SizesFitted
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session import Session
-from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.tracking.result import SegmentResult
+from tests.app.store.test_store import _track
 from tests.scenes import IdleWorker, StoreDesk, at_desk
 
 FIT = {"do": "fit_here"}
@@ -96,7 +95,7 @@ def _proposed(doc: Session, turned: bool) -> Proposal:
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 class Desk(StoreDesk):
@@ -161,12 +160,12 @@ async def test_the_order_carries_the_pose_that_stands_there_and_the_document_as_
 
 async def test_only_what_tracking_has_finished_is_evidence(desk: Desk) -> None:
     doc = desk.edit.doc
-    one, other = (k.pose(desk.edit.skeleton) for k in doc.subject.keyframes[:2])
-    key, way = segment_keys(doc)[0, 24], interpolate(one, other, 0, 24)
-    passing = SegmentResult.on_the_way(Pass("pass", way, 1.0), key)
+    key = segment_keys(doc)[0, 24]
+    done = _track(doc, 0, 24, key)
+    passing = SegmentResult.on_the_way(Pass("pass", done.trajectory, 1.0), key)
     desk.do({"do": "go", "frame": 20})
-    for track, near in ((passing, 0), (replace(passing, verdict=GOOD), 13)):
-        desk.store._set(edit=replace(desk.edit, results=Results({key: track})))
+    for track, near in ((passing, 0), (done, 13)):
+        desk.store.know(Results({key: track}))
         desk.do(FIT)
         order = desk.worker.fits[-1]
         assert isinstance(order, FitPose)

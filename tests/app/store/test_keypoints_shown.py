@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.store import background, runner
 from keypose.app.store.sections import Sections
 from keypose.app.store.store import Store
+from keypose.app.working import keypoints as finding
+from keypose.app.working import queue
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
@@ -31,7 +32,7 @@ WRIST = JOINTS.index("left_wrist")
 def _alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """No worker, and nothing kept from an earlier day."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 def found(first: int, last: int, u: float) -> Keypoints:
@@ -101,7 +102,7 @@ async def test_what_tracking_found_in_a_segment_goes_first(
         asked.append(span)
         return found(*span, 33.0) if span == (24, 48) else None
 
-    monkeypatch.setattr(background, "found_before", kept)
+    monkeypatch.setattr(finding, "found_before", kept)
     async with at_desk(path, Desk) as desk:
         assert point(await desk.shown(7))["at"] == [5.0, 7.0]
         assert point(await desk.shown(30))["at"] == [33.0, 30.0]
@@ -178,5 +179,5 @@ def test_a_file_that_brings_about_a_fault_of_ours_is_as_if_it_were_not_there_and
     def faulty() -> None:
         raise ZeroDivisionError
 
-    assert background._or_none(faulty) is None
+    assert finding._or_none(faulty) is None
     assert "ZeroDivisionError" in capsys.readouterr().err

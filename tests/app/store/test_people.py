@@ -9,7 +9,7 @@ import pytest
 from keypose.app.jobs.draft import DraftClip
 from keypose.app.jobs.find_people import FindPeople
 from keypose.app.jobs.job import Failed, Finished
-from keypose.app.store import runner
+from keypose.app.working import queue
 from tests.app.store.test_drafting import DRAFT, Desk, desk, path
 from tests.app.store.test_fitter import Worker
 
@@ -19,7 +19,7 @@ BOXES = ((10, 20, 60, 220), (300, 100, 330, 180))
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 def look(desk: Desk, frame: int) -> list[int]:

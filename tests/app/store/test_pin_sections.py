@@ -70,7 +70,7 @@ def solved(edit: EditorState, found: PinResult, proposed: tuple[Pin, ...] = ()) 
     (stretch,) = stretches(edit.doc, edit.results.fitting(edit.doc))
     motion = next(iter(edit.results.by_key.values())).trajectory
     space = SpaceResult(stretch.key, motion, (found,), proposed)
-    return replace(edit, results=Results(edit.results.by_key, {stretch.key: space}))
+    return edit.with_results(Results(edit.results.by_key, {stretch.key: space}))
 
 
 def pinned(off_m: float, keyframe: int | None) -> EditorState:

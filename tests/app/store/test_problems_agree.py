@@ -86,7 +86,7 @@ def some_state(seed: int) -> AppState:
     edit = desk()
     spans = [span for span in edit.doc.spans if rng.random() < 0.95]
     tracks = [some_result(rng, edit, *span) for span in spans]
-    edit = replace(edit, results=Results({track.key: track for track in tracks}))
+    edit = edit.with_results(Results({track.key: track for track in tracks}))
     for _ in range(rng.integers(3)):
         places: Any = motion_values.review(AppState(edit=edit))
         if not places["places"]:

@@ -13,7 +13,7 @@ import pytest
 from keypose.app.editor.shown import shown_pose
 from keypose.app.jobs.job import Finished, Progress, Report
 from keypose.app.jobs.reduce import ReduceMotion
-from keypose.app.store import runner
+from keypose.app.working import queue
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.reduction.result import Tolerance
@@ -30,7 +30,7 @@ REDUCE = {"do": "reduce", "cm": 6.0}
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 @pytest.fixture
@@ -138,7 +138,7 @@ async def test_a_reduction_that_is_cancelled_or_fails_is_not_waited_for(desk: De
     assert desk.section("reduction") is None
     desk.do(REDUCE)
     desk.worker.report(Progress(desk.worker.number, 30 / 73))
-    assert desk.store._runner.job.percent == pytest.approx(41, abs=1)  # told now and then
+    assert desk.store._queue.state.percent == pytest.approx(41, abs=1)  # told now and then
     desk.worker.fail("It failed.")
     assert desk.section("reduction") is None
     assert await desk.words() == ["It failed."]

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypose.app.store import background
-from keypose.app.store.background import Examiner
+from keypose.app.working import examining
+from keypose.app.working.examining import Examiner
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.video import Video
@@ -25,7 +25,7 @@ async def test_a_film_that_is_open_is_looked_through(
 ) -> None:
     noise = np.random.default_rng(0).integers(0, 255, (30, 48, 64, 3)).astype(np.uint8)
     shown = [noise[n - (n % 6 == 5)] for n in range(30)]
-    monkeypatch.setattr(background, "_PAUSE_S", 0.0)
+    monkeypatch.setattr(examining, "_PAUSE_S", 0.0)
     found: asyncio.Queue[Repeats] = asyncio.Queue()
     with Video.open(write_clip(tmp_path / "film.mp4", shown)) as video:
         loop = asyncio.get_running_loop()

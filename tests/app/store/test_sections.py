@@ -27,7 +27,7 @@ def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:
     passing = SegmentResult.on_the_way(Pass("pass", path, 1.0), key)
     known = replace(passing.diagnostics, expected_gain=need)
     found = replace(passing, verdict=GOOD, diagnostics=known, notes=notes)
-    return AppState(edit=replace(edit, results=Results({key: found})))
+    return AppState(edit=edit.with_results(Results({key: found})))
 
 
 def test_what_a_keyframe_would_mend_is_reported_frame_by_frame() -> None:
@@ -63,7 +63,7 @@ def expecting(error: Array | None, origin: str = "intrinsics") -> AppState:
     known = replace(found.diagnostics, expected_error=error)
     key = segment_keys(edit.doc)[0, 24]
     results = Results({key: replace(found, key=key, diagnostics=known)})
-    return AppState(edit=replace(edit, results=results))
+    return AppState(edit=edit.with_results(results))
 
 
 def some_errors() -> Array:

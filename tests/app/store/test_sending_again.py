@@ -12,9 +12,9 @@ import pytest
 
 from keypose.app.document import edit_log
 from keypose.app.document.library import Library
-from keypose.app.store import runner
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import MOST, Clients, Tab
+from keypose.app.working import queue
 from keypose.tracker.session import Session
 from keypose.tracker.storage.edit_history import mark_of, without_results
 from keypose.tracker.storage.files import load_session
@@ -59,7 +59,7 @@ WORK = [
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", IdleWorker)
+    monkeypatch.setattr(queue, "JobRunner", IdleWorker)
 
 
 @pytest.fixture(params=["session.json", "person.mp4"])

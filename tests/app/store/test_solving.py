@@ -11,8 +11,8 @@ import pytest
 from keypose.app.jobs.job import Failed, Finished, Progress
 from keypose.app.jobs.space import SolveSpace
 from keypose.app.jobs.track import Track
-from keypose.app.store import runner
 from keypose.app.store.store import Store
+from keypose.app.working import queue
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.storage.files import load_session, save_session
@@ -57,7 +57,7 @@ async def desk(path: Path) -> AsyncIterator[Store]:
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", _Tracking)
+    monkeypatch.setattr(queue, "JobRunner", _Tracking)
 
 
 @pytest.fixture

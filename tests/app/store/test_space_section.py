@@ -79,7 +79,7 @@ def with_found(
     (stretch,) = stretches(smooth.doc, smooth.results.fitting(smooth.doc))
     motion = next(iter(smooth.results.by_key.values())).trajectory
     space = SpaceResult(stretch.key, motion, pins, findings=findings)
-    return replace(smooth, results=Results(smooth.results.by_key, {stretch.key: space}))
+    return smooth.with_results(Results(smooth.results.by_key, {stretch.key: space}))
 
 
 def known(edit: EditorState) -> EditorState:
@@ -157,7 +157,7 @@ def climbing() -> EditorState:
         Pin(part="left_foot", landmarks=SOLE, first_frame=at, last_frame=at) for at in (2, 20)
     )
     doc = edit.doc.changed({"pins": pins})
-    return replace(edit.with_doc(doc), results=Results({key: higher}))
+    return edit.with_doc(doc).with_results(Results({key: higher}))
 
 
 def test_pinned_feet_on_a_slope_that_nobody_has_spoken_of_are_levelled_with_one_press() -> None:

@@ -17,7 +17,7 @@ from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.jobs.track import Track
 from keypose.app.state.outcomes import FoundUp
-from keypose.app.store import runner
+from keypose.app.working import queue
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.geometry.up import UpEvidence, combined
@@ -45,7 +45,7 @@ MOTION = Trajectory(0, WHOLE.Rs_parent_part[: LAST + 1], WHOLE.ps_camera_root[: 
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", Worker)
+    monkeypatch.setattr(queue, "JobRunner", Worker)
 
 
 @pytest.fixture
@@ -67,8 +67,7 @@ class Desk(StoreDesk):
 
     def know(self, results: Results) -> None:
         """These are what the runner has by now."""
-        self.store._runner.results = results
-        self.store._set(edit=replace(self.edit, results=results))
+        self.store._set(edit=self.edit.with_results(results))
 
     def draft(self) -> None:
         """Every frame between the keyframes is drafted, for no up, and the second keyframe made of

@@ -17,9 +17,10 @@ from keypose.app.jobs.job import Finished, Progress
 from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.track import Track
 from keypose.app.state.app_state import Saved
-from keypose.app.store import runner, saving
+from keypose.app.store import saving
 from keypose.app.store.saving import Saver
 from keypose.app.store.store import Store
+from keypose.app.working import queue
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate
 from keypose.tracker.errors import SessionError
@@ -81,7 +82,7 @@ async def desk(path: Path) -> AsyncIterator[Store]:
 
 @pytest.fixture(autouse=True)
 def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runner, "Tracking", _Tracking)
+    monkeypatch.setattr(queue, "JobRunner", _Tracking)
 
 
 def _forearm(session: Session) -> float:

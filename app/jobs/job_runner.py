@@ -1,5 +1,4 @@
-"""Tracking and fitting for a server that must stay quick: a worker process, orders to it, reports
-from it."""
+"""The worker process of a server that must stay quick: jobs to it, reports from it."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ WARM_AFTER_S = 2.0
 """The page that a person waits for comes first; the worker takes as long to load as the server."""
 
 
-class Tracking:
+class JobRunner:
     """One worker process, started and made ready in the background, soon or when it is needed.
 
     All methods are called on the loop's thread, and `report` is called there. One job at a time: a
@@ -43,7 +42,7 @@ class Tracking:
         until the worker is ready receives a Warming of its own.
         """
         if self._closed:
-            raise RuntimeError("tracking is closed")
+            raise RuntimeError("the worker is closed")
         self._last_job += 1
         self._open[self._last_job] = job
         if self._warming is not None and job.needs_loops:

@@ -1,4 +1,4 @@
-"""Run one fit at a time, from when it is asked for until what it found is in the state."""
+"""What a person waits for: from when it is asked for until what was found is in the state."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ from keypose.app.jobs.job import Ended, Failed
 from keypose.app.jobs.lift import LiftDrafts
 from keypose.app.jobs.reduce import ReduceMotion
 from keypose.app.jobs.stand import StandOnFloor
-from keypose.app.store.owner import StateOwner
-from keypose.app.store.runner import Runner
+from keypose.app.state.outcomes import Following
+from keypose.app.working.owner import StateOwner
+from keypose.app.working.queue import Item, Priority, WorkQueue
+from keypose.app.working.segments import SegmentTracker
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.storage.fingerprints import Span
 
@@ -56,9 +58,10 @@ class Fitter:
     """One fit at a time. What it finds is taken over once, and only where it began from still
     stands; while a hand drags something else, it waits until that is let go."""
 
-    def __init__(self, runner: Runner, host: StateOwner) -> None:
-        self._runner = runner
-        self._host = host
+    def __init__(self, queue: WorkQueue, host: StateOwner, segments: SegmentTracker) -> None:
+        self._queue, self._host, self._segments = queue, host, segments
+        self.following: Following | None = None
+        """How far the body is tracked ahead."""
         self._request: tuple[Fit, EditorState] | None = None
         """The fit under way, and the state when it was asked for."""
         self._found: tuple[Any] | None = None
@@ -69,9 +72,25 @@ class Fitter:
         opened, edit = self._current()
         job: Fit = JOBS[type(action)].of(opened, edit, action)
         if self._request is None or self._request[0] != job:
+            self._begin(job)
             self._request, self._found = (job, edit), None
-            self._runner.fit(job, self._on_end)
         return job
+
+    def _begin(self, job: Fit) -> None:
+        """What is being tracked, or was asked for since, waits for it."""
+        at_work = self._queue.at_work
+        interrupts = at_work is not None and at_work.job.kind == "track" and at_work.is_shown
+        words = "tracking continues after it" if interrupts or self._segments.has_waiting else ""
+        self.following = None
+        item = Item(
+            job,
+            Priority.PERSON,
+            words,
+            is_held=True,
+            take=lambda partial: self._take(partial, job),
+            end=lambda end: self._on_end(end, job),
+        )
+        self._queue.begin(item)
 
     def changed(self) -> None:
         """The state is another one."""
@@ -80,7 +99,7 @@ class Fitter:
         (job, began), (_, edit) = self._request, self._current()
         if not job.stands(began, edit):
             self._host.note("info", job.why_cancelled)
-            self._drop(job)
+            self._leave(job)
         elif self._found is not None and edit.stroke is None:
             self._apply(job, *self._found)
 
@@ -89,36 +108,38 @@ class Fitter:
         if self._request is None:
             return False
         if self._request[0].keeps_found:
-            self._runner.cancel()
+            self._queue.cancel()
         else:
-            self._drop(self._request[0])
+            self._leave(self._request[0])
         return True
 
     def closed(self) -> None:
         """No session is open any more."""
-        self._request = self._found = None
-
-    def _drop(self, job: Fit) -> None:
-        self._runner.drop_fit()
-        self._leave(job)
+        self._request = self._found = self.following = None
 
     def _leave(self, job: Fit) -> None:
+        self._request = self._found = self.following = None
         self._host.take(job.left(self._host.app_state))
-        self._resume_tracking()
+        self._queue.release()
 
-    def _on_end(self, end: Ended) -> None:
-        if self._request is None:
+    def _take(self, partial: Any, job: Fit) -> bool:
+        if isinstance(partial, Following) and self._request is not None and self._request[0] is job:
+            self.following = partial
+        return False
+
+    def _on_end(self, end: Ended, job: Fit) -> None:
+        if self._request is None or self._request[0] is not job:
             return
         if isinstance(end, Failed):
             self._host.note("lost", end.words)
         if isinstance(end, Failed) or end.cancelled:
-            self._leave(self._request[0])
+            self._leave(job)
         else:
             self._found = (end.result,)
             self.changed()
 
     def _apply(self, job: Fit, found: Any) -> None:
-        self._request = self._found = None
+        self._request = self._found = self.following = None
         tracked = self._tracked()
         try:
             after, words = job.apply(found, self._host.app_state)
@@ -128,18 +149,14 @@ class Fitter:
         except KeyposeError as error:
             self._host.note("check", str(error))
         finally:
-            self._resume_tracking()
+            self._queue.release()
         if job.tracks_after and not tracked <= self._tracked():
-            self._runner.track(*self._current(), "changed")
+            self._segments.track("changed")
 
     def _tracked(self) -> set[Span]:
         """The segments whose motion is as the session asks for it."""
         _, edit = self._current()
         return {span for span, segment_result in edit.fitting.items() if segment_result.finished}
-
-    def _resume_tracking(self) -> None:
-        self._request = self._found = None
-        self._runner.resume(*self._current())
 
     def _current(self) -> tuple[OpenSession, EditorState]:
         opened, edit = self._host.opened, self._host.app_state.edit

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor import actions
+    from keypose.app.editor.known import KnownMotion
     from keypose.app.editor.state import EditorState
     from keypose.app.state.app_state import AppState, OpenedFile
     from keypose.tracker.session.references import Repeats
+    from keypose.tracker.storage.results import Results
     from keypose.tracker.video import VideoInfo
 
 
@@ -46,6 +48,10 @@ class StateOwner(Protocol):
     def broadcast(self, message: dict[str, Any]) -> None: ...
 
     def take(self, after: AppState) -> None: ...
+
+    def know(self, results: Results) -> None: ...
+
+    def show_motion(self, motion: KnownMotion) -> None: ...
 
     def show_damage(self, info: VideoInfo) -> None: ...
     def show_repeats(self, repeats: Repeats) -> None: ...

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from keypose.app.jobs.job import Failed, Finished, Progress, Report, Warming
+from keypose.app.jobs.job_runner import JobRunner
 from keypose.app.jobs.track import Track
-from keypose.app.jobs.tracking import Tracking
 from keypose.tracker.session import Session
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.storage.tracking import track_session
@@ -44,7 +44,7 @@ class Office:
         self.reported: list[Report] = []
         self.threads: set[int] = set()
         self._more = asyncio.Event()
-        self.tracking = Tracking(self._report, asyncio.get_running_loop())
+        self.tracking = JobRunner(self._report, asyncio.get_running_loop())
 
     def _report(self, report: Report) -> None:
         self.reported.append(report)
