@@ -18,13 +18,13 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.geometry.steady import SteadyCamera
+from keypose.tracker.operations.find_camera import find_camera, known_poses, with_scale
+from keypose.tracker.operations.solve_space import solved
+from keypose.tracker.operations.stand import stand
+from keypose.tracker.operations.track import track_session
 from keypose.tracker.session import Keyframe, Session, TrackSettings, VideoReference
-from keypose.tracker.storage.camera_motion import find_camera, known_poses, with_scale
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.space import solved
-from keypose.tracker.storage.standing import stand
 from keypose.tracker.storage.stretches import stretches
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video

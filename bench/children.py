@@ -178,8 +178,8 @@ def scaled(camera: Camera, scale: int) -> Camera:
 
 def _track(session_path: Path, memory_mb: int | None) -> None:
     """Track a session as its command does, its clips within a limit."""
+    from keypose.tracker.operations.track import tracker_of
     from keypose.tracker.storage.files import load_session, open_for_work, video_path
-    from keypose.tracker.storage.tracking import tracker_of
     from keypose.tracker.tracking.pool import run
     from keypose.tracker.video.clip_loader import ONCE, Memory
 

@@ -41,6 +41,7 @@ from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.detectors import open_detector
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.operations.stand import stand
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.contacts import proposed_pins
@@ -48,7 +49,6 @@ from keypose.tracker.space.level import HELD_LEVEL, evidence_of_standing
 from keypose.tracker.space.soles import foot_heights
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
-from keypose.tracker.storage.standing import stand
 from tests.rendering.scenes import Scene, scene
 
 FILMS: Mapping[str, tuple[tuple[float, float, float, float], int, tuple[int, int], float]] = {

@@ -27,6 +27,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.operations.solve_space import solved
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.keyframe import Keyframe
@@ -39,7 +40,6 @@ from keypose.tracker.solver.posed import free_skeleton, joints_and_landmarks
 from keypose.tracker.solver.projection import image_points
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.results import Results, segment_key
-from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
 from tests.rendering.render import rendered

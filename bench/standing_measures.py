@@ -13,12 +13,12 @@ from bench.table import Expected
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.operations.solve_space import solved
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.space.findings import MOST_PUSH, STILL_M_S2, near_end
 from keypose.tracker.space.soles import foot_heights
-from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.stretches import stretches
 
 SIDES = ("left", "right")

@@ -40,12 +40,12 @@ from keypose.app.words.up import off_deg
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.up import UnsureUp
+from keypose.tracker.operations.find_camera import with_scale
+from keypose.tracker.operations.find_up import estimated_up, evidence_of_motion, motions_of
 from keypose.tracker.session import Session
-from keypose.tracker.storage.camera_motion import with_scale
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.results import load_results
-from keypose.tracker.storage.up import estimated_up, evidence_of_motion, motions_of
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines
 

@@ -50,8 +50,8 @@ _MODULES = {
     "preset": "keypose.tracker.body.body",
     "save_result": "keypose.tracker.storage.tracks",
     "save_session": "keypose.tracker.storage.files",
-    "track_ahead": "keypose.tracker.storage.tracking",
-    "track_session": "keypose.tracker.storage.tracking",
+    "track_ahead": "keypose.tracker.operations.track",
+    "track_session": "keypose.tracker.operations.track",
     "verdict_words": "keypose.tracker.formats.verdict_words",
 }
 

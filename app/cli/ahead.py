@@ -16,11 +16,11 @@ from keypose.app.editor.ahead import followed_session, found_sentence, start_fra
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.outdated import up_to_date
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.operations.track import track_ahead
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.storage.files import open_video_of, save_session
 from keypose.tracker.storage.sidecars import keypoints_of_session
-from keypose.tracker.storage.tracking import track_ahead
 from keypose.tracker.tracking.ahead.follow import FoundAhead
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video

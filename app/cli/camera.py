@@ -15,9 +15,9 @@ from keypose.app.editor.moving_camera import forgotten
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.render.studio import png
 from keypose.tracker.errors import CameraError
+from keypose.tracker.operations.find_camera import FoundCamera, background_picture, with_known_way
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import require_absent, write_file
-from keypose.tracker.storage.camera_motion import FoundCamera, background_picture, with_known_way
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 
 

@@ -11,13 +11,13 @@ from keypose.app.jobs.stand import stood
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.geometry.up import Disagreement
+from keypose.tracker.operations.stand import Standing
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
 from keypose.tracker.space.soles import Soles, soles_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
-from keypose.tracker.storage.standing import Standing
 
 
 def run(arguments: argparse.Namespace) -> int:

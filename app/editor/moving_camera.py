@@ -114,7 +114,7 @@ class CameraFar(Edit):
     metres: Annotated[FiniteFloat, Field(gt=0, le=FARTHEST_M)]
 
     def apply(self, state: EditorState) -> Session:
-        from keypose.tracker.storage.camera_motion import (  # loads what only this needs
+        from keypose.tracker.operations.find_camera import (  # loads what only this needs
             with_known_way,
         )
 

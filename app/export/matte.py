@@ -21,9 +21,9 @@ from keypose.tracker.keypoints.detect import Progress
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.keypoints.person_mask import PersonMask
+from keypose.tracker.operations.track import detected_keypoints
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder, write_file
-from keypose.tracker.storage.tracking import detected_keypoints
 from keypose.tracker.video import Video
 from keypose.tracker.video.encode import MOV, WEBM, FilmWriter, film_file
 

@@ -145,8 +145,8 @@ def drafted(
     )
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import find_model
+    from keypose.tracker.operations.lifting import lifter_for_drafts
     from keypose.tracker.storage.cache import Detections
-    from keypose.tracker.storage.lifting import lifter_for_drafts
 
     detected = _Detected.at_box(at)
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.state import EditorState
     from keypose.app.state.app_state import AppState
     from keypose.tracker.camera_motion import CameraKind
-    from keypose.tracker.storage.camera_motion import FoundCamera
+    from keypose.tracker.operations.find_camera import FoundCamera
 
 LABEL: Final = "find the camera's motion"
 REPORTS_S: Final = 0.2
@@ -76,7 +76,9 @@ def find_saved(
 
     camera: how it moves, where that is known.  report: receives the share that is done.
     """
-    from keypose.tracker.storage import camera_motion  # loads what only this needs
+    from keypose.tracker.operations import (
+        find_camera as camera_motion,  # loads what only this needs
+    )
     from keypose.tracker.storage.files import open_video_of
     from keypose.tracker.storage.results import load_results
 
@@ -114,7 +116,9 @@ class FindCamera(Fit):
         return cls(*given, asked.camera, finished)
 
     def work(self, session: Session, context: Context) -> FoundCamera:
-        from keypose.tracker.storage import camera_motion  # loads what only this needs
+        from keypose.tracker.operations import (
+            find_camera as camera_motion,  # loads what only this needs
+        )
 
         began, said = time.monotonic(), 0.0
 

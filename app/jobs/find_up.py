@@ -43,7 +43,7 @@ class SeenLines:
 
 def upright_lines(session: Session, video: Video, frame: int | None = None) -> UprightLines | None:
     """Find upright lines in one frame, or in some of the whole film; None where few agree."""
-    from keypose.tracker.storage.up import lens_spread  # loads what only this needs
+    from keypose.tracker.operations.find_up import lens_spread  # loads what only this needs
     from keypose.tracker.video.upright_lines import up_from_lines
 
     pictures = []
@@ -62,7 +62,7 @@ def seen_lines(session: Session, video: Video, at: int | None = None) -> SeenLin
     at: the frame whose lines are shown, where a camera moves; the only one that is looked at as
     long as nobody knows how.
     """
-    from keypose.tracker.storage.up import evidence_of_lines  # loads what only this needs
+    from keypose.tracker.operations.find_up import evidence_of_lines  # loads what only this needs
 
     if session.has_static_camera:
         lines = upright_lines(session, video)
@@ -85,7 +85,7 @@ def with_up_unseen(session: Session, video: Video) -> tuple[Session, str]:
     and what is said of that; itself where somebody set it, or the camera does not stand still."""
     if session.has_up_of_hand or not session.has_static_camera:
         return session, ""
-    from keypose.tracker.storage.up import estimated_up  # loads what only this needs
+    from keypose.tracker.operations.find_up import estimated_up  # loads what only this needs
 
     lines = upright_lines(session, video)
     up_estimate = None if lines is None else estimated_up(session, {}, lines.evidence)
@@ -119,7 +119,7 @@ class FindUp(Fit):
         return cls(*sent(opened, edit.doc), edit.frame, finished)
 
     def work(self, session: Session, context: Context) -> FoundUp:
-        from keypose.tracker.storage.up import (
+        from keypose.tracker.operations.find_up import (
             estimated_up,
             motions_of,
         )  # loads what only this needs

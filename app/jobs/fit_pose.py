@@ -69,7 +69,7 @@ class FitPose(Fit):
 
     def on_film(self, session: Session, context: Context) -> FoundPose:
         from keypose.tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
-        from keypose.tracker.storage.tracking import keypoint_source, steadied
+        from keypose.tracker.operations.track import keypoint_source, steadied
 
         video = context.cache.video(session, self.video_path)
         skeleton = Skeleton.of(session.subject.body)

@@ -14,9 +14,9 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
+from keypose.tracker.operations.lifting import lifter_for_drafts
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import LEARN_FRAMES
-from keypose.tracker.storage.lifting import lifter_for_drafts
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:

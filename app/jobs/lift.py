@@ -16,8 +16,8 @@ from keypose.app.words.standing import lifted_words
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.operations.lifting import lifter_for_drafts
 from keypose.tracker.session import Session
-from keypose.tracker.storage.lifting import lifter_for_drafts
 from keypose.tracker.storage.sidecars import at_one_focal, keypoints_of_session
 
 if TYPE_CHECKING:

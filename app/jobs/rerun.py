@@ -21,6 +21,7 @@ from keypose.app.jobs.track import Track
 from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.app.orders.tracking import DraftOrder, TrackOrder, said
 from keypose.tracker.errors import KeyposeError, SessionError
+from keypose.tracker.operations.solve_space import solved
 from keypose.tracker.session import Session
 from keypose.tracker.session import results as saved
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -33,7 +34,6 @@ from keypose.tracker.storage.results import (
     segment_keys,
     tidy_tracks,
 )
-from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.pool import Cancelled, stream
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video

@@ -34,7 +34,7 @@ class SolveSpace(Job):
         return f"Smoothing {spans_text([stretch.span for stretch in self.stretches])}"
 
     def run(self, context: Context) -> None:
-        from keypose.tracker.storage.space import solved  # loads what only this needs
+        from keypose.tracker.operations.solve_space import solved  # loads what only this needs
 
         session = Session.model_validate_json(self.session)
         for done, stretch in enumerate(self.stretches, 1):

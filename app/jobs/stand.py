@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from keypose.app.editor.state import EditorState
     from keypose.app.state.app_state import AppState
     from keypose.tracker.geometry.up import UpEvidence
+    from keypose.tracker.operations.stand import Standing
     from keypose.tracker.storage.results import Results
-    from keypose.tracker.storage.standing import Standing
 
 LABEL: Final = "stand on the floor"
 """What undo calls it."""
@@ -54,8 +54,8 @@ def stood(
 
     path: of its file.  results: what was tracked.
     """
-    from keypose.tracker.storage.space import solved  # loads what only this needs
-    from keypose.tracker.storage.standing import stand
+    from keypose.tracker.operations.solve_space import solved  # loads what only this needs
+    from keypose.tracker.operations.stand import stand
     from keypose.tracker.storage.tracks import load_tracks
 
     up_evidence = _seen(session, path)
@@ -106,7 +106,7 @@ class StandOnFloor(Fit):
         return cls(*sent(opened, edit.doc), finished, edit.frame)
 
     def work(self, session: Session, context: Context) -> tuple[Standing, SeenLines]:
-        from keypose.tracker.storage.standing import stand  # loads what only this needs
+        from keypose.tracker.operations.stand import stand  # loads what only this needs
 
         seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
         return stand(session, self.fitting, seen.evidence, context.cancelled), seen

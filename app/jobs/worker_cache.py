@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.operations.track import fitter_of, steps_of, tracker_of
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.storage import sidecars
 from keypose.tracker.storage.evidence import files_of
 from keypose.tracker.storage.files import open_for_work
 from keypose.tracker.storage.fingerprints import background_turns, steady_camera
-from keypose.tracker.storage.tracking import fitter_of, steps_of, tracker_of
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.tracking.pool import SegmentTracker

@@ -13,10 +13,10 @@ from keypose.app.words.problems import frame_range, named_frames
 from keypose.app.words.up import apart_words, up_words
 
 if TYPE_CHECKING:
+    from keypose.tracker.operations.stand import Standing
     from keypose.tracker.session.pins import Pin
     from keypose.tracker.space.harm import Harm
     from keypose.tracker.space.soles import Soles
-    from keypose.tracker.storage.standing import Standing
 
 T = TypeVar("T")
 MOST_NAMED: Final = 3

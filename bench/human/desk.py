@@ -38,10 +38,10 @@ from keypose.app.posing.vectors import across, any_across, cross, unit
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.operations.lifting import lifter_for_drafts
+from keypose.tracker.operations.solve_space import solved
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.solver.posed import BodyPoints
-from keypose.tracker.storage.lifting import lifter_for_drafts
-from keypose.tracker.storage.space import solved
 from keypose.tracker.tracking.pool import SegmentFinished, never
 from keypose.tracker.video import Video
 

@@ -18,6 +18,7 @@ from keypose.app.jobs.rerun import require_trackable
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
 from keypose.tracker.errors import SessionError
+from keypose.tracker.operations.track import track_session
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import (
     EVIDENCE_KINDS,
@@ -32,7 +33,6 @@ from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.fingerprints import open_ends, setup_hash
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import segment_keys
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.storage.tracks import load_tracks, save_result
 from keypose.tracker.tracking.pool import TrackFinished
 from tests.app.editor.desk import desk

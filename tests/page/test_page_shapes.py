@@ -22,10 +22,10 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.camera_motion import FollowedPoints
 from keypose.tracker.fitting.sizes import Proposal, SizesFitted
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.operations.find_camera import FoundCamera, keep_points
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.storage.camera_motion import FoundCamera, keep_points
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting, seen, some_errors

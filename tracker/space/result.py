@@ -13,7 +13,7 @@ from keypose.tracker.session.results import PinResult, SpaceFinding
 class SpaceResult:
     """The motion of a stretch in space.
 
-    key: of what it was solved for, see `keypose.tracker.storage.space`.
+    key: of what it was solved for, see `keypose.tracker.operations.solve_space`.
     pins: how well each holds.  proposed: where feet stand still that have none.
     findings: what is not plausible.  floor_m: height of the floor, where pins on it show it.
     """

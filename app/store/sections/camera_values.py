@@ -99,6 +99,6 @@ def background_points(app_state: AppState) -> Json:
 
 @lru_cache(maxsize=1)
 def _points(motion: CameraMotion) -> FollowedPoints | None:
-    from keypose.tracker.storage.camera_motion import points_of  # loads what only this needs
+    from keypose.tracker.operations.find_camera import points_of  # loads what only this needs
 
     return points_of(motion)

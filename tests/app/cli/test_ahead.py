@@ -20,8 +20,8 @@ from keypose.tracker import (
     open_video_of,
     track_ahead,
 )
+from keypose.tracker.operations import track as tracking
 from keypose.tracker.session import Session
-from keypose.tracker.storage import tracking
 from keypose.tracker.storage.files import save_session
 from tests.app.cli_cases import everything_in, refused
 from tests.app.serving import ROOT

@@ -15,8 +15,8 @@ from keypose.app.document.folder_lock import locked
 from keypose.app.words.camera import finding_sentences, unscaled_words
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import transpose
+from keypose.tracker.operations.find_camera import FoundCamera, points_of
 from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion, CameraPiece
-from keypose.tracker.storage.camera_motion import FoundCamera, points_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import segment_keys
 from tests.scenes import sample

@@ -30,11 +30,11 @@ from keypose.tracker.keypoints.model_files import (
     is_content,
 )
 from keypose.tracker.keypoints.region import Region
+from keypose.tracker.operations.track import tracker_of
 from keypose.tracker.scratch import Scratch
 from keypose.tracker.session.settings import ALL_CUES
 from keypose.tracker.storage import networks
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.tracking import tracker_of
 from tests.tracker.keypoints import tiny_networks as tiny
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
 

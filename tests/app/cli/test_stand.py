@@ -21,7 +21,7 @@ from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
 from tests.scenes import sample
-from tests.tracker.storage.standing_cases import lines, results_of, session_of, walk, wandering
+from tests.tracker.operations.standing_cases import lines, results_of, session_of, walk, wandering
 
 SHOWN, UP = walk()
 MOTION = wandering(SHOWN.truth)

@@ -30,15 +30,15 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.horizon import horizon_of
 from keypose.tracker.geometry.rotations import exp_rotation, transpose
+from keypose.tracker.operations.find_camera import FoundCamera
+from keypose.tracker.operations.find_up import estimated_up, evidence_of_lines
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
-from keypose.tracker.storage.camera_motion import FoundCamera
 from keypose.tracker.storage.fingerprints import segment_keys, steady_camera
-from keypose.tracker.storage.up import estimated_up, evidence_of_lines
 from tests.app.editor.desk import after
 from tests.tracker import panned_cases as panned
 from tests.tracker import session_cases as cases
-from tests.tracker.storage.standing_cases import lines as upright
+from tests.tracker.operations.standing_cases import lines as upright
 
 UP = (0.0, -1.0, 0.0)
 

@@ -32,13 +32,13 @@ from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation, log_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.operations.track import track_session
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import segment_keys
 from keypose.tracker.storage.sidecars import load_first_motion
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.storage.tracks import load_trajectory
 from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.tracking.result import TrackResult

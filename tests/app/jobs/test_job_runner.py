@@ -16,9 +16,9 @@ import pytest
 from keypose.app.jobs.job import Failed, Finished, Progress, Report, Warming
 from keypose.app.jobs.job_runner import JobRunner
 from keypose.app.jobs.track import Track
+from keypose.tracker.operations.track import track_session
 from keypose.tracker.session import Session
 from keypose.tracker.storage.results import Results, segment_keys
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.video import Video
 from tests.app.jobs.job_cases import passes, segments

@@ -14,18 +14,18 @@ from keypose.app.jobs.job import Failed, Finished, Progress, Report
 from keypose.app.jobs.rerun import save_found, save_tracks_beside
 from keypose.app.jobs.space import SolveSpace
 from keypose.tracker.errors import SessionError
+from keypose.tracker.operations import solve_space as space
+from keypose.tracker.operations.solve_space import solved
 from keypose.tracker.session import Session
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.space.result import SpaceResult
-from keypose.tracker.storage import space
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
-from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.tracks import load_tracks
 from tests.app.jobs import job_cases
 from tests.app.jobs.job_cases import NUMBER
 from tests.app.jobs.test_job_runner import Office, office
-from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
+from tests.tracker.operations.space_cases import PIN, both, cases, pinned, session, smooth
 
 __all__ = ["office"]
 

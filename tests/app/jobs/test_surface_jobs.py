@@ -22,13 +22,13 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.operations.track import track_session
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.settings import Weights
 from keypose.tracker.session.verdict import Verdict
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results, segment_keys
 from keypose.tracker.storage.results import pose_at as pose_of
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.storage.tracks import load_trajectory
 from keypose.tracker.surface.fit import segment
 from keypose.tracker.surface.fit.fitter import SurfaceFitter, options_of

@@ -37,16 +37,16 @@ from keypose.tracker.fitting.sizes import Proposal, SizesFitted
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.operations.find_camera import FoundCamera
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Stop
 from keypose.tracker.session.camera_motion import CameraMotion
-from keypose.tracker.storage.camera_motion import FoundCamera
 from keypose.tracker.storage.sidecars import save_first_motion
 from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.jobs.job_cases import reported, segment_done
 from tests.app.store.test_fitter import Desk, Worker
 from tests.app.store.test_store import _track
-from tests.tracker.storage.space_cases import solution
+from tests.tracker.operations.space_cases import solution
 
 LEFT_OUT = (
     actions.Open, actions.Close, actions.RenameSession, actions.DuplicateSession,

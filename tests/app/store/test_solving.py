@@ -21,7 +21,7 @@ from keypose.tracker.storage.tracks import load_tracks
 from tests.app.jobs.job_cases import segment_done
 from tests.app.store.test_store import _track
 from tests.scenes import IdleWorker, opened_store, sample
-from tests.tracker.storage.space_cases import solution
+from tests.tracker.operations.space_cases import solution
 
 PIN = Pin(part="left_foot", landmarks=("left_heel", "left_toe"), first_frame=2, last_frame=9)
 TRACK = {"do": "track", "what": "all"}

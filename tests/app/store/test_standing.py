@@ -21,6 +21,8 @@ from keypose.app.working import queue
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.geometry.up import UpEvidence, combined
+from keypose.tracker.operations.solve_space import solved
+from keypose.tracker.operations.stand import Standing, stand
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.keyframe import Keyframe
@@ -28,12 +30,10 @@ from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
-from keypose.tracker.storage.space import solved
-from keypose.tracker.storage.standing import Standing, stand
 from tests.app.store.test_fitter import Worker
 from tests.scenes import StoreDesk, at_desk, sample
-from tests.tracker.storage.standing_cases import KEYS, results_of, session_of, walk, wandering
-from tests.tracker.storage.standing_cases import lines as upright
+from tests.tracker.operations.standing_cases import KEYS, results_of, session_of, walk, wandering
+from tests.tracker.operations.standing_cases import lines as upright
 
 LAST = 60
 DRAFTED = Drafted(first_frame=0, last_frame=LAST, up_camera=(0.0, -1.0, 0.0))

@@ -11,10 +11,10 @@ import pytest
 from keypose.app.words.standing import standing_words
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.up import Disagreement, UpEvidence, up_of_one
+from keypose.tracker.operations.stand import Standing
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
-from keypose.tracker.storage.standing import Standing
 from tests.tracker import session_cases as cases
 
 FOOT = Pin(part="right_foot", first_frame=46, last_frame=61)

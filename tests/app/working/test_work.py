@@ -37,8 +37,8 @@ from tests.app.editor.desk import after, desk
 from tests.app.editor.test_live import track
 from tests.app.jobs.job_cases import segment_done
 from tests.app.results_cases import judged
+from tests.tracker.operations.space_cases import both, pinned, smooth, solution
 from tests.tracker.session_cases import VERDICTS
-from tests.tracker.storage.space_cases import both, pinned, smooth, solution
 
 PIECE: Any = SimpleNamespace(
     session_path=Path("job/session.json"),

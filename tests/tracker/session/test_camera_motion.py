@@ -14,6 +14,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.camera_motion import FocalScale, MovedPath
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.operations.find_camera import _with_its_lens
 from keypose.tracker.session import Session
 from keypose.tracker.session.camera_motion import (
     CameraFinding,
@@ -22,7 +23,6 @@ from keypose.tracker.session.camera_motion import (
     CameraPiece,
     packed,
 )
-from keypose.tracker.storage.camera_motion import _with_its_lens
 from keypose.tracker.storage.fingerprints import background_turns, segment_keys
 from keypose.tracker.storage.stretches import stretch_keys
 from tests.tracker import panned_cases as panned

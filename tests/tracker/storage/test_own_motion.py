@@ -19,10 +19,10 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, displaced, interpolate, joined
 from keypose.tracker.errors import SessionError
+from keypose.tracker.operations.track import track_session
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.sidecars import OwnMotion, load_first_motion, save_own_motion
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import PassFinished
 
 PERSON = Path(__file__).parents[3] / "sample_videos" / "person" / "session.json"

@@ -15,7 +15,7 @@ from keypose.tracker.storage import stretches as of_stretches
 from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.stretches import SegmentRun, stretches
 from tests.app.results_cases import track
-from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth, softened
+from tests.tracker.operations.space_cases import PIN, both, cases, pinned, session, smooth, softened
 
 
 def wanted(of: Session, results: Results | None = None) -> list[SegmentRun]:

@@ -17,8 +17,8 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Pass, Trajectory, interpolate
 from keypose.tracker.errors import SessionError, VideoError
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.operations import track as tracking
 from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.storage import tracking
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.tracking.initial import chains
 from keypose.tracker.tracking.per_clip import PerClip

@@ -14,8 +14,7 @@ from keypose.tracker.storage.outdated import outdated_keyframes, outdated_words
 from keypose.tracker.storage.results import Results, load_results, save_results
 from keypose.tracker.storage.tracks import Tracks, load_tracks
 from tests.app.results_cases import track
-from tests.tracker.session_cases import result, segment
-from tests.tracker.storage.space_cases import (
+from tests.tracker.operations.space_cases import (
     PIN,
     both,
     depths,
@@ -26,6 +25,7 @@ from tests.tracker.storage.space_cases import (
     solution,
     solved,
 )
+from tests.tracker.session_cases import result, segment
 
 
 def saved(results: Results, folder: Path, of: Session) -> tuple[Session, Path]:

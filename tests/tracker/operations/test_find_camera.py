@@ -13,25 +13,25 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.geometry.rotations import exp_rotation, transform
-from keypose.tracker.session import Session
-from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion, CameraPiece
-from keypose.tracker.session.references import Repeats
-from keypose.tracker.session.settings import TrackSettings
-from keypose.tracker.storage.camera_motion import (
+from keypose.tracker.operations.find_camera import (
     FoundCamera,
     background_picture,
     with_known_way,
     with_scale,
 )
+from keypose.tracker.operations.solve_space import solved
+from keypose.tracker.operations.track import track_session
+from keypose.tracker.session import Session
+from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion, CameraPiece
+from keypose.tracker.session.references import Repeats
+from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.storage.fingerprints import Span, segment_keys
-from keypose.tracker.storage.space import solved
 from keypose.tracker.storage.stretches import stretches
-from keypose.tracker.storage.tracking import track_session
 from keypose.tracker.tracking.pool import TrackFinished
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 from tests.tracker import panned_cases as panned
-from tests.tracker.storage.standing_cases import KEYS, session_of, tracked, walk
+from tests.tracker.operations.standing_cases import KEYS, session_of, tracked, walk
 
 COUNT = KEYS[-1] + 1
 CUT = 45

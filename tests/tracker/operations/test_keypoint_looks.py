@@ -16,13 +16,13 @@ from keypose.tracker.keypoints.detectors import detector_fingerprint
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import points_on_body
+from keypose.tracker.operations.track import keypoint_source
 from keypose.tracker.session import Session
 from keypose.tracker.session.references import KEYPOINT_RUN
 from keypose.tracker.solver.posed import Posed
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.fingerprints import segment_keys
 from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
-from keypose.tracker.storage.tracking import keypoint_source
 from keypose.tracker.tracking.cues import sources
 from tests.tracker.keypoints.keypoint_cases import BALANCE
 

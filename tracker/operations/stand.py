@@ -13,6 +13,9 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.up import UpEstimate, UpEvidence
+from keypose.tracker.operations.find_up import estimated_up, motions_of
+from keypose.tracker.operations.kept_pins import without_harm
+from keypose.tracker.operations.solve_space import stances, unscaled_spans, up_of
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
@@ -20,12 +23,9 @@ from keypose.tracker.space.harm import Harm
 from keypose.tracker.space.level import leaning_rad
 from keypose.tracker.space.soles import by_contact, foot_heights
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.kept_pins import without_harm
 from keypose.tracker.storage.outdated import outdated_words
-from keypose.tracker.storage.space import stances, unscaled_spans, up_of
 from keypose.tracker.storage.stretches import keyframes_within
 from keypose.tracker.storage.tracks import Tracks
-from keypose.tracker.storage.up import estimated_up, motions_of
 from keypose.tracker.tracking.result import SegmentResult
 
 STEP_M = 0.25
@@ -130,7 +130,7 @@ def _with_scale(session: Session, fitting: Mapping[Span, SegmentResult]) -> Sess
     motion = session.view.camera_motion
     if motion is None or not motion.unscaled:
         return session
-    from keypose.tracker.storage.camera_motion import with_scale  # loads what only this needs
+    from keypose.tracker.operations.find_camera import with_scale  # loads what only this needs
 
     return with_scale(session, fitting)
 

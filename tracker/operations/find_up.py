@@ -18,12 +18,12 @@ from keypose.tracker.geometry.up import (
     apart_by,
     combined,
 )
+from keypose.tracker.operations.solve_space import stances, up_of
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.sigmas import LEAN_RAD
 from keypose.tracker.space.level import HELD_LEVEL, evidence_of_standing
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.space import stances, up_of
 from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video.upright_lines import UprightLines

@@ -15,6 +15,10 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.up import UpEvidence, UpSource
+from keypose.tracker.operations.find_up import estimated_up
+from keypose.tracker.operations.kept_pins import without_harm
+from keypose.tracker.operations.solve_space import solved
+from keypose.tracker.operations.stand import Standing, stand
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
@@ -24,20 +28,16 @@ from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.space.soles import Soles, measured_soles, soles_of
 from keypose.tracker.storage import stretches as solves
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.kept_pins import without_harm
-from keypose.tracker.storage.space import solved
-from keypose.tracker.storage.standing import Standing, stand
 from keypose.tracker.storage.stretches import stretches
-from keypose.tracker.storage.up import estimated_up
 from keypose.tracker.tracking.result import SegmentResult
-from tests.tracker.storage.standing_cases import (
+from tests.tracker.operations.standing_cases import (
     KEYS,
     session_of,
     tracked,
     walk,
     wandering,
 )
-from tests.tracker.storage.standing_cases import lines as upright
+from tests.tracker.operations.standing_cases import lines as upright
 
 SHOWN, UP = walk()
 JOINTS = [

@@ -11,6 +11,7 @@ from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.operations.lifting import depth_lifter
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from keypose.tracker.session.references import KeypointFile
@@ -26,7 +27,6 @@ from keypose.tracker.storage.fingerprints import (
     steady_camera,
     without_part_keyframes,
 )
-from keypose.tracker.storage.lifting import depth_lifter
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
 from keypose.tracker.surface.source import UnratedSteps

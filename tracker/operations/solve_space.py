@@ -11,6 +11,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.operations.track import keyed_parts
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
@@ -24,7 +25,6 @@ from keypose.tracker.space.result import SpaceResult
 from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, heights_px, solve_space
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
-from keypose.tracker.storage.tracking import keyed_parts
 
 UP = (0.0, -1.0, 0.0)
 CONTRADICTS_M = 0.01

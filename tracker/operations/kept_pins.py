@@ -12,6 +12,7 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
+from keypose.tracker.operations.solve_space import asked, compared, stances, up_of
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.sigmas import TILT_GIVES_RAD
@@ -19,7 +20,6 @@ from keypose.tracker.space.harm import Harm, harms, worst_apart, worst_of_each
 from keypose.tracker.space.soles import AIR_M, foot_heights
 from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, solve_space
 from keypose.tracker.storage.fingerprints import Span
-from keypose.tracker.storage.space import asked, compared, stances, up_of
 from keypose.tracker.storage.stretches import SegmentRun, stretches
 from keypose.tracker.tracking.result import SegmentResult
 

@@ -38,6 +38,7 @@ from keypose.tracker.files import read_own
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.keypoints.model_files import cache_folder
+from keypose.tracker.operations.solve_space import frames_per_second
 from keypose.tracker.session.camera_motion import (
     CameraFinding,
     CameraKeyframe,
@@ -51,7 +52,6 @@ from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.storage.archive import archive_arrays, archive_bytes
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.fingerprints import Span, steady_camera, turns_of
-from keypose.tracker.storage.space import frames_per_second
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize

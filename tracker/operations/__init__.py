@@ -1,0 +1,1 @@
+"""Do what changes a session: track, stand, solve in space, find the camera, find up."""
