@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import nullcontext
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from keypose.app.cli.json_output import print_json, print_written
+from keypose.app.cli.change import Change, run_change
+from keypose.app.cli.json_output import print_written
 from keypose.app.cli.long_work import share_reporter
-from keypose.app.document.folder_lock import locked
 from keypose.app.editor.moving_camera import forgotten
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.render.studio import png
@@ -18,31 +18,26 @@ from keypose.tracker.errors import CameraError
 from keypose.tracker.operations.find_camera import FoundCamera, background_picture, with_known_way
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import require_absent, write_file
-from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.files import load_session, open_video_of
 
 
 def run(arguments: argparse.Namespace) -> int:
-    path = arguments.session
     if arguments.background is not None:
         return _draw_background(arguments)
-    held = path.is_file() and not arguments.dry_run  # reading it reports one that is not there
-    with locked(path, "close it there first") if held else nullcontext():
-        session = load_session(path)
-        if arguments.forget:
-            found_camera, after = None, forgotten(session)
-        elif arguments.went is not None and session.camera_path is not None:
-            found_camera, after = None, _with_way(session, arguments.went)
-        else:
-            with share_reporter(arguments.json) as report:
-                found_camera = find_saved(session, path, arguments.kind, report)
-            if arguments.went is not None:
-                after = _with_way(with_found(session, found_camera), arguments.went)
-                found_camera = replace(found_camera, motion=after.view.camera_motion)
-            after = with_found(session, found_camera)
-        if not arguments.dry_run:
-            save_session(after, path)
-    _print(found_camera, after, arguments)
-    return 0
+    return run_change(arguments, _found)
+
+
+def _found(session: Session, arguments: argparse.Namespace) -> Change:
+    if arguments.forget:
+        return _change(None, forgotten(session), arguments)
+    if arguments.went is not None and session.camera_path is not None:
+        return _change(None, _with_way(session, arguments.went), arguments)
+    with share_reporter(arguments.json) as report:
+        found_camera = find_saved(session, arguments.session, arguments.kind, report)
+    if arguments.went is not None:
+        after = _with_way(with_found(session, found_camera), arguments.went)
+        found_camera = replace(found_camera, motion=after.view.camera_motion)
+    return _change(found_camera, with_found(session, found_camera), arguments)
 
 
 def _with_way(session: Session, metres: float) -> Session:
@@ -67,34 +62,31 @@ def _draw_background(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _print(found_camera: FoundCamera | None, after: Session, arguments: argparse.Namespace) -> None:
-    if arguments.json:
-        print_json(_facts(found_camera, arguments))
-        return
-    if arguments.went is not None:
-        print(f"The camera's path has its scale: it went {arguments.went:g} m from where it began.")
+def _change(
+    found_camera: FoundCamera | None, after: Session, arguments: argparse.Namespace
+) -> Change:
+    lines = tuple(_lines(found_camera, after, arguments.went))
+    return Change(lambda: after, lines, {} if found_camera is None else _facts(found_camera))
+
+
+def _lines(found_camera: FoundCamera | None, after: Session, went: float | None) -> Iterator[str]:
+    if went is not None:
+        yield f"The camera's path has its scale: it went {went:g} m from where it began."
     elif found_camera is None:
-        print("The camera is as it was.")
+        yield "The camera is as it was."
     if found_camera is not None:
-        print(found_words(found_camera))
+        yield found_words(found_camera)
     if found_camera is not None and found_camera.focal is not None and found_camera.lens is None:
         share, sigma = found_camera.focal
         focal = after.view.camera.focal_mm
-        print(
+        yield (
             f"Its turns suggest a lens of {share * focal:.1f} ± {sigma * focal:.1f} mm; the "
             f"session has {focal:.1f} mm."
         )
-    print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
 
 
-def _facts(found_camera: FoundCamera | None, arguments: argparse.Namespace) -> dict[str, object]:
+def _facts(found_camera: FoundCamera) -> dict[str, object]:
     facts: dict[str, object] = {
-        "event": "finished",
-        "session": None if arguments.dry_run else str(arguments.session),
-    }
-    if found_camera is None:
-        return facts
-    facts |= {
         "kind": found_camera.kind,
         "findings": [
             camera_finding.model_dump(mode="json") for camera_finding in found_camera.findings

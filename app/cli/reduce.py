@@ -5,18 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
-from keypose.app.cli.json_output import print_json
-from keypose.app.document.folder_lock import locked
+from keypose.app.cli.change import Change, run_change
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Reduction
 from keypose.tracker.session import Session
-from keypose.tracker.storage.files import load_session, open_video_of, save_session
+from keypose.tracker.storage.files import open_video_of
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.sidecars import load_first_motion, save_own_motion
 
@@ -24,16 +23,17 @@ _FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 
 
 def run(arguments: argparse.Namespace) -> int:
-    path = arguments.session
-    # Reading it reports one that is not there.
-    held = path.is_file() and not arguments.dry_run
-    with locked(path, "close it there first") if held else nullcontext():
-        session = load_session(path)
-        found, reduction = _reduced(session, arguments)
-        if not arguments.dry_run:
-            _save(session, found, reduction, arguments)
-    _print(session, found, reduction, arguments)
-    return 0
+    return run_change(arguments, _change)
+
+
+def _change(session: Session, arguments: argparse.Namespace) -> Change:
+    found, reduction = _reduced(session, arguments)
+    facts = _facts(session, found, reduction)
+    return Change(
+        lambda: _with_reduction(session, found, reduction, arguments),
+        tuple(_lines(found, reduction, facts)),
+        {**facts, "written": None if arguments.dry_run else str(arguments.session)},
+    )
 
 
 def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible, Reduction]:
@@ -61,15 +61,16 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
     return found, reduction
 
 
-def _save(
+def _with_reduction(
     session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
-) -> None:
+) -> Session:
+    """The session with its keyframes; the motion between them is written beside it."""
     path = arguments.session
     with open_video_of(session, path) as video:
         times_s = session.evidence.times_s(video.info.times_s)
     own = None if found.parts is not None else save_own_motion(session, path, found.motion)
-    given = (found, reduction.frames, times_s, own)
-    save_session(reduced_session(session, *given, replacing=arguments.replace_keyframes), path)
+    replacing = arguments.replace_keyframes
+    return reduced_session(session, found, reduction.frames, times_s, own, replacing=replacing)
 
 
 @contextmanager
@@ -92,34 +93,23 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 # --- what is printed
 
 
-def _print(
-    session: Session,
-    found: Reducible,
-    reduction: Reduction,
-    arguments: argparse.Namespace,
-) -> None:
-    facts = _facts(session, found, reduction)
-    if arguments.json:
-        print_json({**facts, "written": None if arguments.dry_run else str(arguments.session)})
-        return
-    what = "part keyframes" if found.parts is not None else "keyframes"
+def _lines(found: Reducible, reduction: Reduction, facts: Mapping[str, Any]) -> Iterator[str]:
+    noun = "part keyframes" if found.parts is not None else "keyframes"
     kept = f", {facts['kept']} of them there before" if facts["kept"] else ""
-    print(
-        f"{len(reduction.frames)} {what} for {reduction.known_count} "
+    yield (
+        f"{len(reduction.frames)} {noun} for {reduction.known_count} "
         f"{_FOUND[found.source]} frames"
         f"{kept}: one in {reduction.frames_per_keyframe:.1f} frames."
     )
-    print(f"Frames: {', '.join(map(str, reduction.frames))}")
+    yield f"Frames: {', '.join(map(str, reduction.frames))}"
     if found.parts is None:
-        print("The motion between them stays as it is, for tracking to start from.")
-    print(f"Interpolated alone, no point of the body is off by more than {_off(facts)}.")
+        yield "The motion between them stays as it is, for tracking to start from."
+    yield f"Interpolated alone, no point of the body is off by more than {_off(facts)}."
     if facts["frames_without_a_pose"]:
-        print(f"{facts['frames_without_a_pose']} frames have no pose; keyframes lead over them.")
-    if not arguments.dry_run:
-        print(f"Written: {arguments.session}")
+        yield f"{facts['frames_without_a_pose']} frames have no pose; keyframes lead over them."
 
 
-def _off(facts: dict[str, Any]) -> str:
+def _off(facts: Mapping[str, Any]) -> str:
     off = {"cm": facts["off_cm"], "px": facts["off_px"]}
     return " and ".join(f"{value:.2g} {unit}" for unit, value in off.items() if value is not None)
 
@@ -136,6 +126,3 @@ def _facts(session: Session, found: Reducible, reduction: Reduction) -> dict[str
         "off_px": None if math.isinf(tolerance.pixels) else reduction.worst_px,
         "frames_without_a_pose": len(reduction.misses) - reduction.known_count,
     }
-
-
-# --- arguments

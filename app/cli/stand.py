@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import nullcontext
 
-from keypose.app.cli.json_output import print_json
-from keypose.app.document.folder_lock import locked
+from keypose.app.cli.change import Change, run_change
 from keypose.app.jobs.stand import stood
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
@@ -16,44 +14,36 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
 from keypose.tracker.space.soles import Soles, soles_of
-from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
 
 
 def run(arguments: argparse.Namespace) -> int:
+    return run_change(arguments, _stood)
+
+
+def _stood(session: Session, arguments: argparse.Namespace) -> Change:
     path = arguments.session
-    # Reading it reports one that is not there.
-    held = path.is_file() and not arguments.dry_run
-    with locked(path, "close it there first") if held else nullcontext():
-        session = load_session(path)
-        results = load_results(session, path)
-        done, results = stood(session, path, results)
-        if not arguments.dry_run:
-            save_session(save_results(done.session, path, results), path)
-    _print(done, results, arguments)
-    return 0
-
-
-def _print(done: Standing, results: Results, arguments: argparse.Namespace) -> None:
+    done, results = stood(session, path, load_results(session, path))
     soles = soles_of(done.session, results.space(done.session))
-    if arguments.json:
-        print_json(_facts(done, soles, arguments))
-        return
-    print(standing_words(done))
-    if soles is not None:
-        print(soles_words(soles))
-    for stretch in results.space(done.session):
-        for pin in stretch.pins:
-            if pin.keyframe is not None:
-                print(pin_sentence(pin))
-    print("Nothing was written." if arguments.dry_run else f"Written: {arguments.session}")
+    return Change(
+        lambda: save_results(done.session, path, results),
+        _lines(done, soles, results),
+        _facts(done, soles),
+    )
 
 
-def _facts(done: Standing, soles: Soles | None, arguments: argparse.Namespace) -> dict[str, object]:
+def _lines(done: Standing, soles: Soles | None, results: Results) -> tuple[str, ...]:
+    held = [pin for stretch in results.space(done.session) for pin in stretch.pins]
+    return (
+        standing_words(done),
+        *(() if soles is None else (soles_words(soles),)),
+        *(pin_sentence(pin) for pin in held if pin.keyframe is not None),
+    )
+
+
+def _facts(done: Standing, soles: Soles | None) -> dict[str, object]:
     session: Session = done.session
     return {
-        "event": "finished",
-        "session": None if arguments.dry_run else str(arguments.session),
         "pins_on_floor": done.on_floor,
         "pins_taken": done.taken,
         "softened": list(done.softened),

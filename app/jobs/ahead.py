@@ -30,6 +30,7 @@ class FollowAhead(Fit):
     frame: int
     direction: Direction
 
+    asked = ("track_ahead",)
     kind = "ahead"
     why_cancelled = "Tracking ahead cancelled because the body, the camera or a keyframe changed."
     not_of_surfaces = "Surfaces are fitted from one keyframe on: press Fit."

@@ -231,6 +231,7 @@ class DraftClip(Fit):
     up_camera: Position | None = None
     rest: tuple[FrameRun, ...] | None = None
 
+    asked = ("draft", "draft_rest")
     kind = "draft"
     title = "Drafting poses"
     needs_loops = False  # before the last tenth of it

@@ -98,6 +98,7 @@ class FindCamera(Fit):
     camera: CameraKind | None = None
     fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
 
+    asked = ("find_camera",)
     kind = "camera"
     title = "Finding the camera's motion"
     fault = "Finding the camera failed with an internal error ({}). Nothing was changed."

@@ -104,6 +104,7 @@ class FindUp(Fit):
     frame: int = 0
     fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
 
+    asked = ("find_up",)
     title = "Looking for what is up"
     needs_loops = False
     why_cancelled = "Cancelled because the camera, the body, keyframes or pins changed."

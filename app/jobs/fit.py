@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from keypose.app.editor.documents import unchanged
 from keypose.app.jobs.job import Context, Job
@@ -28,6 +28,7 @@ class Fit(Job):
     """What a person waits for. It is taken over only where what it began from still stands.
 
     session: as JSON, without what it does not need.  folder: of the session's file.
+    asked: the names of the page's messages that ask for it; none where it follows by itself.
     not_of_surfaces: why there is none of surfaces.  keeps_found: whether what was found until it
     was cancelled is of use.  tracks_after: whether segments that it made outdated are tracked.
     """
@@ -36,6 +37,7 @@ class Fit(Job):
     video_path: str
     folder: str
 
+    asked: ClassVar[tuple[str, ...]] = ()
     kind: ClassVar[Kind] = "fit"
     fault: ClassVar[str] = "Fitting failed with an internal error ({}). Nothing was changed."
     died: ClassVar[str] = "Fitting stopped unexpectedly; everything is as it was, fit again."
@@ -43,6 +45,11 @@ class Fit(Job):
     not_of_surfaces: ClassVar[str] = ""
     keeps_found: ClassVar[bool] = False
     tracks_after: ClassVar[bool] = False
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, action: Any) -> Self:
+        """What an action asks for of the state; refused with the reason where it cannot be had."""
+        raise NotImplementedError
 
     def run(self, context: Context) -> Any:
         session = Session.model_validate_json(self.session)

@@ -54,6 +54,7 @@ class FitPose(Fit):
     pose: Pose = field(compare=False)
     tracked: Mapping[int, Pose] = field(default_factory=dict, compare=False)
 
+    asked = ("fit_here",)
     why_cancelled = "Fit cancelled because the pose changed."
 
     @classmethod

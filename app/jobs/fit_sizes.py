@@ -27,6 +27,7 @@ class FitSizes(Fit):
     session: bytes = field(compare=False)
     focal: bool = False
 
+    asked = ("fit_sizes",)
     why_cancelled = "Fit cancelled because the sizes changed."
     title = "Fitting the sizes"
     not_of_surfaces = (

@@ -37,6 +37,7 @@ class LiftDrafts(Fit):
 
     frames: frozenset[int] = field(default=frozenset())
 
+    asked = ("lift",)
     kind = "draft"
     title = "Drafting anew"
     tracks_after = True

@@ -28,6 +28,7 @@ class ReduceMotion(Fit):
     found: Reducible
     goal: Goal
 
+    asked = ("reduce",)
     kind = "reduce"
     title = "Reducing to keyframes"
     why_cancelled = "Reduction cancelled because the motion changed."

@@ -91,6 +91,7 @@ class StandOnFloor(Fit):
     fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
     frame: int = field(default=0, compare=False)
 
+    asked = ("stand",)
     title = "Standing on the floor"
     why_cancelled = "Cancelled because keyframes, pins or the camera changed."
     fault = "Standing failed with an internal error ({}). Nothing was changed."

@@ -2,56 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import Any
 
 from keypose.app.document.open import OpenSession
-from keypose.app.editor import actions as do
+from keypose.app.editor import actions
 from keypose.app.editor.state import EditorState
-from keypose.app.jobs.ahead import FollowAhead
-from keypose.app.jobs.draft import DraftClip
-from keypose.app.jobs.find_camera import FindCamera
-from keypose.app.jobs.find_up import FindUp
+from keypose.app.jobs.asked import JOBS
 from keypose.app.jobs.fit import Fit
-from keypose.app.jobs.fit_pose import FitPose
-from keypose.app.jobs.fit_sizes import FitSizes
 from keypose.app.jobs.job import Ended, Failed
-from keypose.app.jobs.lift import LiftDrafts
-from keypose.app.jobs.reduce import ReduceMotion
-from keypose.app.jobs.stand import StandOnFloor
 from keypose.app.state.outcomes import Following
 from keypose.app.working.owner import StateOwner
 from keypose.app.working.queue import Item, Priority, WorkQueue
 from keypose.app.working.segments import SegmentTracker
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.storage.fingerprints import Span
-
-Asking: TypeAlias = (
-    do.FitHere
-    | do.FitSizes
-    | do.Draft
-    | do.DraftRest
-    | do.Lift
-    | do.FindUp
-    | do.FindCamera
-    | do.Stand
-    | do.TrackAhead
-    | do.Reduce
-)
-"""What a person asks to be fitted."""
-
-JOBS: Mapping[type[Asking], Any] = {
-    do.FitHere: FitPose,
-    do.FitSizes: FitSizes,
-    do.Draft: DraftClip,
-    do.DraftRest: DraftClip,
-    do.TrackAhead: FollowAhead,
-    do.Reduce: ReduceMotion,
-    do.Stand: StandOnFloor,
-    do.Lift: LiftDrafts,
-    do.FindUp: FindUp,
-    do.FindCamera: FindCamera,
-}
 
 
 class Fitter:
@@ -66,11 +30,11 @@ class Fitter:
         """The fit under way, and the state when it was asked for."""
         self._found: tuple[Any] | None = None
 
-    def ask(self, action: Asking) -> Fit:
+    def ask(self, action: actions.Running) -> Fit:
         """Begin; a fit that is asked for twice is done once. Refused with the reason where it
         cannot be had."""
         opened, edit = self._current()
-        job: Fit = JOBS[type(action)].of(opened, edit, action)
+        job = JOBS[action.do].of(opened, edit, action)
         if self._request is None or self._request[0] != job:
             self._begin(job)
             self._request, self._found = (job, edit), None
