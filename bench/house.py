@@ -157,7 +157,7 @@ def robust_elsewhere(tree: Tree) -> int:
 def cause_tables(tree: Tree) -> int:
     """Dictionaries that word what a segment is to be checked for."""
     return sum(
-        isinstance(node, ast.Dict) and len(CAUSES & _keys(node)) >= 3
+        isinstance(node, ast.Dict) and len(CAUSES & _keys(node)) >= 3 and _words(node)
         for module in tree.product.values()
         for node in ast.walk(module)
     )
@@ -169,6 +169,15 @@ def _keys(table: ast.Dict) -> set[str]:
         for key in table.keys
         if isinstance(key, ast.Constant) and isinstance(key.value, str)
     }
+
+
+def _words(table: ast.Dict) -> bool:
+    """Whether there are texts in it."""
+    return any(
+        isinstance(node, ast.Constant) and isinstance(node.value, str)
+        for value in table.values
+        for node in ast.walk(value)
+    )
 
 
 def motion_holders(tree: Tree) -> int:

@@ -30,6 +30,7 @@ from keypose.app.jobs.rerun import with_repeats
 from keypose.app.orders.film import FilmToDraft
 from keypose.app.words.jobs import about_words
 from keypose.app.words.people import accepted_words, flipped_words, found_person_words
+from keypose.app.words.review import draft_reason
 from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 from keypose.tracker.keypoints.model_files import find_model
@@ -40,17 +41,6 @@ from keypose.tracker.storage.fingerprints import needs_masks
 from keypose.tracker.storage.pace import known_or_measured
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
-
-_REASONS = {
-    "start": "first draft",
-    "end": "last draft",
-    "pose": "extreme pose of the motion",
-    "residual": "joints lie beside their keypoints",
-    "hidden": "joints are hidden",
-    "flip": "may point the other way in depth",
-    "wrong": "wrong, to be corrected",
-    "person": "may be another person from here on",
-}
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -229,9 +219,7 @@ def _print(
     else:
         print("Confirm these first:")
     for proposal in draft.proposals:
-        about = ", ".join(part.replace("_", " ") for part in proposal.parts)
-        words = f"{about}: {_REASONS[proposal.reason]}" if about else _REASONS[proposal.reason]
-        print(f"  frame {proposal.frame}: {words}")
+        print(f"  frame {proposal.frame}: {draft_reason(proposal.reason, proposal.parts)}")
     if draft.flipped:
         print(flipped_words(draft.flipped))
     for path in (keypoints, place):

@@ -8,6 +8,7 @@ keyframe they came from, another body or camera, or a keyframe beyond, which mak
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from keypose.app.editor.documents import ActionRefused, keyframe_of, with_drafts
@@ -25,24 +26,30 @@ if TYPE_CHECKING:
     from keypose.tracker.tracking.ahead.follow import FoundAhead
 
 
-_WHY: Final[Mapping[StopCause, str]] = {
-    "uncertain": "{Part} may be wrong from there",
-    "not_seen": "{Part} may be wrong from there, {hidden}",
-    "left_picture": "The body leaves the picture there",
-    "damaged": "The next frames are damaged in the video",
-    "cut": "Another scene begins after it",
-    "keyframe": "The next keyframe follows",
-    "clip_end": "The video {ends} there",
-    "limit": "Set a keyframe there and track on",
-    "cancelled": "Cancelled there",
-}
-_WHY_NOT: Final[Mapping[StopCause, str]] = {
-    "uncertain": "{part} may be wrong right after it",
-    "not_seen": "{part} may be wrong right after it, {hidden}",
-    "left_picture": "the body is hardly in the picture",
-    "damaged": "the next frame is damaged in the video",
-    "cut": "another scene begins after it",
-    "cancelled": "it was cancelled",
+@dataclass(frozen=True)
+class _StopWords:
+    """Why it ends at a frame, and why nothing leads on from its keyframe at all."""
+
+    there: str
+    at_once: str = "nothing leads on"
+
+
+_STOPS: Final[Mapping[StopCause, _StopWords]] = {
+    "uncertain": _StopWords("{Part} may be wrong from there", "{part} may be wrong right after it"),
+    "not_seen": _StopWords(
+        "{Part} may be wrong from there, {hidden}", "{part} may be wrong right after it, {hidden}"
+    ),
+    "left_picture": _StopWords(
+        "The body leaves the picture there", "the body is hardly in the picture"
+    ),
+    "damaged": _StopWords(
+        "The next frames are damaged in the video", "the next frame is damaged in the video"
+    ),
+    "cut": _StopWords("Another scene begins after it", "another scene begins after it"),
+    "keyframe": _StopWords("The next keyframe follows"),
+    "clip_end": _StopWords("The video {ends} there"),
+    "limit": _StopWords("Set a keyframe there and track on"),
+    "cancelled": _StopWords("Cancelled there", "it was cancelled"),
 }
 
 
@@ -50,7 +57,7 @@ def why_stopped(record: Ahead) -> str:
     """What is not known of the frames beyond: "Right forearm may be wrong from there, hidden
     behind the chest".
     """
-    return _WHY[record.stop.cause].format(**_named(record.stop, record.is_forward))
+    return _STOPS[record.stop.cause].there.format(**_named(record.stop, record.is_forward))
 
 
 def tracked_to(record: Ahead) -> str:
@@ -61,7 +68,7 @@ def tracked_to(record: Ahead) -> str:
 def found_sentence(found_ahead: FoundAhead) -> str:
     """What is said when it ends."""
     if found_ahead.to_frame == found_ahead.frame:
-        why = _WHY_NOT.get(found_ahead.stop.cause, "nothing leads on")
+        why = _STOPS[found_ahead.stop.cause].at_once
         named = _named(found_ahead.stop, found_ahead.direction == "forward")
         nothing = f"Nothing tracked from {found_ahead.frame}: {why.format(**named)}."
         return f"{nothing} Pose the next keyframe by hand."

@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Final
 
 from keypose.app.posing.labels import part_label
 from keypose.tracker.errors import readable
-from keypose.tracker.formats.verdict_words import REASONS
-from keypose.tracker.review.problems import Problem, ProblemCause
+from keypose.tracker.formats.cause_words import CAUSE_WORDS, FOOT, PASSES
+from keypose.tracker.review.problems import Problem
 from keypose.tracker.session.results import PinResult, SpaceFinding
-from keypose.tracker.session.verdict import Cause, Verdict
+from keypose.tracker.session.verdict import Verdict
 
-_VERDICT_REASONS: Final[Mapping[Cause, str]] = {
-    **REASONS,
-    "good": "good",
-    "uncertain": "{part} may be wrong",
-    "not_seen": "{part} hidden",
-    "damaged": "{frames} damaged in the video",
-    "keyframe_off_surface": "the keyframe is off its surface",
-    "body_off_surface": "at key {first} the body is off its surface",
-    "keyframe_off_keypoints": "at key {first} the {part} is not where it is seen",
-    "not_followed": "lost near {first}",
-    "nothing_seen": "the body is not visible: check keyframes, camera and masks",
-    "contradiction": "keys {first} and {last} contradict each other",
-}
-"""As files have them, but where the page shows part and frames beside them."""
 _WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoints")
 """Causes to check whose reason says already which frames they are about."""
 
@@ -72,7 +58,7 @@ def reason(verdict: Verdict, capital: bool = False) -> str:
         "frames": frames,
     }
     is_other = verdict.cause == "other"
-    words = verdict.text if is_other else _VERDICT_REASONS[verdict.cause].format(**named)
+    words = verdict.text if is_other else CAUSE_WORDS[verdict.cause].shown.format(**named)
     return words[:1].upper() + words[1:] if capital else words
 
 
@@ -118,51 +104,30 @@ def _is_all(frames: tuple[int, int], first: int, last: int) -> bool:
     return frames[0] <= first + 1 and frames[1] >= last - 1
 
 
-PASSES: Final = "tracked from either keyframe, it differs"
-FOOT: Final = "heel and toe are seen elsewhere"
-
-_REASONS: Final[Mapping[ProblemCause, Callable[[Problem], str]]] = {
-    "not_seen": lambda found: f"{_hidden(found)}, {frame_range(*found.frames)}",
-    "uncertain": lambda found: _differs(found),
-    "not_followed": lambda _: PASSES,
-    "diverged": lambda _: PASSES,
-    "depth": lambda found: f"a guess in depth, {frame_range(*found.frames)}",
-    "fast_motion": lambda _: "fast motion, blurred",
-    "longest_interval": lambda found: f"longest interval, {_length(found)} frames",
-    "drift": lambda found: f"most drift in {frame_range(*found.span)}",
-}
-_SENTENCES: Final[Mapping[ProblemCause, Callable[[Problem, str], str]]] = {
-    "not_seen": lambda found, within: f"{_part(found)} {_hidden(found)}{within}",
-    "uncertain": lambda found, within: f"{_part(found)} may be wrong{within}: {_differs(found)}",
-    "not_followed": lambda found, _: f"Forward and backward differ in {frame_range(*found.span)}",
-    "fast_motion": lambda found, _: f"Fast motion {frame_range(*found.frames)}",
-    "longest_interval": lambda found, _: f"Longest interval, {_length(found)} frames",
-    "drift": lambda found, _: f"Most drift in {frame_range(*found.span)}",
-}
-
-
 def reason_of(problem: Problem) -> str:
     """Beside its part: "hidden behind the head, 83–92"."""
-    reason = _REASONS.get(problem.cause)
-    return reason(problem) if reason else reason_with_frames(_verdict(problem))
+    words = CAUSE_WORDS[problem.cause].row if problem.cause != "other" else ""
+    return _worded(words, problem) if words else reason_with_frames(_verdict(problem))
 
 
 def sentence_of(problem: Problem) -> str:
     """Word a problem by itself: "Left hand hidden behind the head, frames 83–92". The frames are
     left out where they are all of its segment.
     """
-    sentence = _SENTENCES.get(problem.cause)
-    if sentence is None:
+    words = _alone(problem)
+    if not words:
         return short_sentence(_verdict(problem), *problem.span)
-    return sentence(problem, "" if _is_all(problem.frames, *problem.span) else _within(problem))
+    return _worded(
+        words, problem, "" if _is_all(problem.frames, *problem.span) else _within(problem)
+    )
 
 
 def detail_of(problem: Problem) -> str:
     """The same beside what to do, always with the frames it is about."""
-    sentence = _SENTENCES.get(problem.cause)
-    if sentence is None:
+    words = _alone(problem)
+    if not words:
         return reason_with_frames(_verdict(problem), capital=True)
-    return sentence(problem, _within(problem))
+    return _worded(words, problem, _within(problem))
 
 
 def todo_of(problem: Problem) -> str:
@@ -187,6 +152,22 @@ def _short(value: float) -> str:
     return f"{value:.1f}" if value < 9.95 else f"{value:.0f}"
 
 
+def _alone(problem: Problem) -> str:
+    return "" if problem.cause == "other" else CAUSE_WORDS[problem.cause].alone
+
+
+def _worded(words: str, problem: Problem, within: str = "") -> str:
+    return words.format(
+        Part=part_label(problem.part or "body"),
+        hidden=_hidden(problem),
+        differs=_differs(problem),
+        range=frame_range(*problem.frames),
+        span=frame_range(*problem.span),
+        length=problem.span[1] - problem.span[0],
+        within=within,
+    )
+
+
 def _hidden(problem: Problem) -> str:
     if problem.behind is not None:
         return f"hidden behind the {readable(problem.behind)}"
@@ -198,16 +179,8 @@ def _differs(problem: Problem) -> str:
     return FOOT if (problem.part or "").endswith("_foot") else PASSES
 
 
-def _part(problem: Problem) -> str:
-    return part_label(problem.part or "body")
-
-
 def _within(problem: Problem) -> str:
     return f", {named_frames(*problem.frames)}"
-
-
-def _length(problem: Problem) -> int:
-    return problem.span[1] - problem.span[0]
 
 
 def _verdict(problem: Problem) -> Verdict:

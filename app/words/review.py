@@ -46,7 +46,13 @@ def reason_of_place(place: Place) -> str:
         return reason_of(place.why)
     if isinstance(place.why, SpaceFinding):
         return _IN_SPACE[place.why.kind](abs(place.why.amount))
-    return _DRAFTS[place.why.reason](readable(place.part) if place.part else "the body")
+    return draft_reason(place.why.reason, [] if place.part is None else [place.part])
+
+
+def draft_reason(reason: Reason, parts: Sequence[str]) -> str:
+    """Why a draft should be confirmed: "right forearm hidden". parts: names of those it is about,
+    of the whole body without any."""
+    return _DRAFTS[reason](", ".join(map(readable, parts)) if parts else "the body")
 
 
 def row_of_place(place: Place) -> tuple[str, str, str, str]:

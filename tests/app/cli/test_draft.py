@@ -56,7 +56,7 @@ def test_a_session_with_drafts_and_its_keypoints_are_written(
         assert video.info.frame_count == session.view.video.frame_count
     message = capsys.readouterr().out
     assert "Drafts at 6 of 6 frames." in message
-    assert "frame 0: first draft" in message
+    assert "frame 0: first frame of the draft" in message
     assert f"Written: {out / 'session.json'}" in message
 
 
