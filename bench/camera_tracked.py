@@ -97,7 +97,7 @@ def _tracked(film: CameraFilm) -> tuple[Session, Mapping[Span, SegmentResult]]:
 def _stray_mm(session: Session, motion: Trajectory) -> float:
     """How far a standing foot's joint is from its mean in the world, at most."""
     body = session.subject.body
-    Ts = session.in_world(motion).transforms(Skeleton.of(body))
+    Ts = session.film_camera.motion_to_world(motion).transforms(Skeleton.of(body))
     places = Ts[:, [body.index(name) for name in FEET]][..., :3, 3]
     return float(1000 * np.linalg.norm(places - places.mean(axis=0), axis=-1).max())
 

@@ -28,7 +28,9 @@ SOLVES = frozenset(
 """Functions by which a step of least squares is found."""
 ROBUST = re.compile(r"= \[?1 / \(1 \+ .*(?:squares|\*\* ?2)")
 """Weights of Cauchy, and of Geman and McClure, written out."""
-CONVERSIONS = re.compile(r"\bcarried\w*|\b(?:to_world|to_camera|in_world)\b|\bcamera_at\(")
+CONVERSIONS = re.compile(
+    r"\bcarried\w*|\b\w*to_world\b|\b\w*to_camera\b|\bin_world\b|\bcamera_at\(|\w+_seen_at\("
+)
 """What carries a pose between the frames of camera and world."""
 CAUSES = frozenset(
     ("uncertain", "not_seen", "beyond_limits", "diverged", "damaged", "depth", "not_followed")

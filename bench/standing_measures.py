@@ -100,7 +100,7 @@ def effect(made: Made, session: Session, motion: Trajectory) -> Effect:
     rows = slice(0, len(motion))
     true = Trajectory(0, truth.Rs_parent_part[rows], truth.ps_camera_root[rows])
     up = np.array(session.world.up_world or (0, -1, 0))
-    world, pins = session.in_world(motion), session.subject.pins
+    world, pins = session.film_camera.motion_to_world(motion), session.subject.pins
     high = [foot_heights(skeleton, world, pin, up).ravel() for pin in pins if pin.floor]
     planted = _planted(made, true)
     ends = soles_points(skeleton).at(world.transforms(skeleton)) @ up
@@ -109,7 +109,8 @@ def effect(made: Made, session: Session, motion: Trajectory) -> Effect:
     seen = [made.camera.project(m.joints(skeleton)) for m in (motion, before, true)]
     off = [np.linalg.norm(uv - seen[2], axis=-1) for uv in seen[:2]]
     mm = [_beside_root(skeleton, m, true) for m in (motion, before)]
-    turns = [float(feet_turn(skeleton, session.in_world(m)).max()) for m in (motion, before)]
+    in_world = [session.film_camera.motion_to_world(each) for each in (motion, before)]
+    turns = [float(feet_turn(skeleton, each).max()) for each in in_world]
     joints = skeleton.part_count
     return Effect(
         len(pins),
@@ -120,7 +121,7 @@ def effect(made: Made, session: Session, motion: Trajectory) -> Effect:
         float((off[0] - off[1]).mean()),
         float((off[0] - off[1])[:, :joints].max()),
         *turns,
-        push(skeleton, world, session.in_world(before), pins, FPS),
+        push(skeleton, world, session.film_camera.motion_to_world(before), pins, FPS),
         mm[0],
         mm[1],
         float(np.degrees(np.arccos(np.clip(up / np.linalg.norm(up) @ made.up, -1, 1)))),

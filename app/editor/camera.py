@@ -10,7 +10,6 @@ import numpy as np
 from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.documents import ActionRefused, seen_as_before, valid, with_times
-from keypose.app.editor.frames import to_world, zoom_at
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import CAMERA_UP, up_from_vertical
@@ -60,7 +59,7 @@ class Intrinsics(Edit):
 
     def apply(self, state: EditorState) -> Session:
         changes = self.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
-        zoom = zoom_at(state.doc, state.frame)
+        zoom = state.doc.film_camera.zoom_at(state.frame)
         changes |= {name: changes[name] / zoom for name in ("fx", "fy") if name in changes}
         doc = _with_camera(state, {**changes, "origin": "intrinsics"})
         return doc.changed({"lens_source": "calibration"})
@@ -137,13 +136,13 @@ class Vertical(Edit):
             raise ActionRefused("Draw a longer line along something upright.")
         if self.other is not None:
             up = self._up_of_both(state, self.other)
-            return state.doc.with_up(to_world(state.doc, state.frame, up))
+            return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, up))
         up = up_from_vertical(state.camera, self.a, self.b)
         if not np.isfinite(up).all():
             raise ActionRefused(
                 "The lens shows nothing at one end of this line. Draw it nearer the centre."
             )
-        return state.doc.with_up(to_world(state.doc, state.frame, up))
+        return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, up))
 
     def _up_of_both(self, state: EditorState, other: tuple[Spot, Spot]) -> Array:
         if _crosses((self.a, self.b), other):
@@ -167,7 +166,7 @@ class LevelCamera(Edit):
     verb = "set the camera level"
 
     def apply(self, state: EditorState) -> Session:
-        return state.doc.with_up(to_world(state.doc, state.frame, CAMERA_UP))
+        return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, CAMERA_UP))
 
 
 class TakeUp(Edit):
@@ -238,7 +237,7 @@ def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None 
 
 def _without_zoom(state: EditorState, camera: Camera) -> Camera:
     """The camera whose lens is this one at the present frame."""
-    zoom = zoom_at(state.doc, state.frame)
+    zoom = state.doc.film_camera.zoom_at(state.frame)
     return camera.zoomed(1 / zoom)
 
 

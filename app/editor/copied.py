@@ -14,7 +14,6 @@ from typing import Annotated, Literal, Self, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from keypose.app.editor.documents import ActionRefused, require_within_reach
-from keypose.app.editor.frames import carried_pose
 from keypose.tracker.body.body import Name
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
@@ -88,7 +87,7 @@ class Copied(BaseModel):
         keys = tuple(
             _key(
                 skeleton,
-                carried_pose(doc, k.frame, k.pose(skeleton), first),
+                doc.film_camera.pose_seen_at(first, k.frame, k.pose(skeleton)),
                 k.frame - first,
                 k.soft,
             )

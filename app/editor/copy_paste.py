@@ -21,7 +21,6 @@ from keypose.app.editor.documents import (
     require_before_camera,
     softened,
 )
-from keypose.app.editor.frames import carried_pose
 from keypose.app.editor.keyframes import require_free, with_keyframes_placed
 from keypose.app.editor.message import Edit, Look, PoseName
 from keypose.app.editor.shown import find, shown_pose
@@ -85,7 +84,7 @@ class PastePose(Edit):
             require_free((*stay, *state.doc.subject.part_keyframes), frames)
         placed = []
         for key, pose, frame in zip(copied.keys, poses, frames, strict=True):
-            pose = carried_pose(state.doc, state.frame, pose, frame)
+            pose = state.doc.film_camera.pose_seen_at(frame, state.frame, pose)
             require_before_camera(state.skeleton, pose)
             keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
             placed.append(softened(keyframe, key.soft))
@@ -131,7 +130,7 @@ def pasted_poses(
     skeleton, doc, here = state.skeleton, state.doc, shown_pose(state).pose
     there = copied.frame_in(doc)
     there = state.frame if there is None else there
-    present = carried_pose(doc, state.frame, here, there)
+    present = doc.film_camera.pose_seen_at(there, state.frame, here)
     if not any(name in skeleton.body.names for name in copied.keys[0].rotations_wxyz):
         raise ActionRefused(
             f"{_whose(copied)} has no part that this body has, so nothing was pasted."
@@ -139,7 +138,7 @@ def pasted_poses(
     poses = [_pose(skeleton, key, present) for key in copied.keys]
     if mirrored:
         poses = [mirror_pose(skeleton, pose) for pose in poses]
-    poses = [carried_pose(doc, there, pose, state.frame) for pose in poses]
+    poses = [doc.film_camera.pose_seen_at(state.frame, there, pose) for pose in poses]
     if not onto_body:
         return poses
     shift = here.p_camera_root - poses[0].p_camera_root

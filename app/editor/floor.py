@@ -9,7 +9,7 @@ import numpy as np
 
 from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.frames import to_world, up_in_world, up_of
+from keypose.app.editor.frames import up_in_world, up_of
 from keypose.app.editor.message import Edit
 from keypose.app.editor.pinned import default_landmarks
 from keypose.app.editor.shown import part_at, shown_pose
@@ -83,9 +83,9 @@ class Horizon(Edit):
         doc = state.doc
         if math.dist(self.a, self.b) < SHORTEST_PX:
             raise ActionRefused("Draw a longer line along the horizon.")
-        lens = doc.camera_at(state.frame).without_distortion()
+        lens = doc.film_camera.at(state.frame).without_distortion()
         up = up_from_horizon(lens, self.a, self.b, up_of(doc, state.frame))
-        levelled = doc.with_up(to_world(doc, state.frame, up))
+        levelled = doc.with_up(doc.film_camera.direction_to_world(state.frame, up))
         state = state.with_doc(levelled)
         if any(pin.landmarks for pin in doc.subject.pins):
             return _with_floor(state, _height_of_pins(state))

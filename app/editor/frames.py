@@ -8,7 +8,7 @@ them over the picture. Where the camera stands still all of these are one.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from keypose.app.posing import (
     CAMERA_UP,
@@ -40,52 +40,6 @@ def up_in_world(doc: Session) -> tuple[float, float, float]:
     return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
 
 
-def zoom_at(doc: Session, frame: int) -> float:
-    """The focal length at a frame, as a multiple of the camera's."""
-    path = doc.camera_path
-    return 1.0 if path is None else float(path.zoom[frame])
-
-
-def T_camera_world(doc: Session, frame: int) -> Array:
-    """(4, 4) where the world is for the camera at a frame."""
-    path = doc.camera_path
-    return np.eye(4) if path is None else np.asarray(path.Ts_camera_world[frame])
-
-
-def to_world(doc: Session, frame: int, direction: ArrayLike) -> Array:
-    """A direction (3,) that the camera sees at a frame, in the world."""
-    return np.asarray(T_camera_world(doc, frame)[:3, :3].T @ np.asarray(direction))
-
-
-def carried_to(doc: Session, frame: int, Ts_camera: Array, frames: ArrayLike) -> Array:
-    """Ts_camera (N, ..., 4, 4), each in the frame of the camera at its own of N frames, in that of
-    the camera at one frame; themselves where the camera stands still.
-    """
-    path = doc.camera_path
-    if path is None:
-        return Ts_camera
-    T = path.Ts_camera_world[frame] @ path.Ts_world_camera[np.asarray(frames)]
-    return np.asarray(T.reshape(-1, *(1,) * (Ts_camera.ndim - 3), 4, 4) @ Ts_camera)
-
-
-def in_world(doc: Session, Ts_camera: Array, frames: ArrayLike) -> Array:
-    """Ts_camera (N, ..., 4, 4), each in the frame of the camera at its own of N frames, in the
-    world; themselves where the camera stands still.
-    """
-    path = doc.camera_path
-    if path is None:
-        return Ts_camera
-    T = path.Ts_world_camera[np.asarray(frames)]
-    return np.asarray(T.reshape(-1, *(1,) * (Ts_camera.ndim - 3), 4, 4) @ Ts_camera)
-
-
-def carried_pose(doc: Session, frame: int, pose: Pose, to: int) -> Pose:
-    """The pose of a frame where it stands in the world, as the camera sees it at another one."""
-    if doc.camera_path is None:
-        return pose
-    return pose.carried(carried_to(doc, to, np.eye(4)[None], [frame])[0])
-
-
 def even_motion(
     doc: Session, start: Pose, end: Pose, span: tuple[int, int], frames: NDArray[np.int64]
 ) -> tuple[Array, Array]:
@@ -104,7 +58,7 @@ def even_motion(
 def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:
     """R_view_camera of the small views, which stand still in the world, and where its origin (3,)
     is, in the frame of the camera at a frame."""
-    rotations, T = view_rotations(up_in_world(doc)), T_camera_world(doc, frame)
+    rotations, T = view_rotations(up_in_world(doc)), doc.film_camera.T_camera_world(frame)
     if doc.camera_path is not None:
         rotations = {name: R @ T[:3, :3].T for name, R in rotations.items()}
     return rotations, T[:3, 3]
@@ -112,7 +66,7 @@ def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:
 
 def pointer_views(doc: Session, frame: int, eye: Eye | None = None) -> dict[str, PointerView]:
     """main, top, side and front at a frame; with an eye also free."""
-    views: dict[str, PointerView] = {"main": PointerView.of(doc.camera_at(frame))}
+    views: dict[str, PointerView] = {"main": PointerView.of(doc.film_camera.at(frame))}
     rotations, origin = views_of(doc, frame)
     for name, R in rotations.items():
         views[name] = PointerView.parallel(name, R, origin)

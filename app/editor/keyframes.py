@@ -21,7 +21,7 @@ from keypose.app.editor.documents import (
     without,
 )
 from keypose.app.editor.drafted import flipped_drafts, with_accepted
-from keypose.app.editor.frames import T_camera_world, carried_pose, up_in_world
+from keypose.app.editor.frames import up_in_world
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
@@ -201,7 +201,8 @@ class KeyAngle(Edit):
 
     def apply(self, state: EditorState) -> Session:
         soft = require_keyframe(state, self.frame).soft
-        pose, T = shown_pose(state, self.frame).pose, T_camera_world(state.doc, self.frame)
+        pose = shown_pose(state, self.frame).pose
+        T = state.doc.film_camera.T_camera_world(self.frame)
         part, moves = state.doc.subject.body.index(self.part), state.doc.camera_path is not None
         of_root = moves and state.doc.subject.body.parts[part].parent is None
         wanted = {self.axis: self.deg}
@@ -332,7 +333,7 @@ def _at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
     update: dict[str, object] = {"frame": frame, "time_s": time_s, "drafted": False}
     if state.doc.camera_path is not None:
         pose = keyframe.pose(state.skeleton)
-        pose = carried_pose(state.doc, keyframe.frame, pose, frame)
+        pose = state.doc.film_camera.pose_seen_at(frame, keyframe.frame, pose)
         require_before_camera(state.skeleton, pose)
         placed = keyframe_of(state.skeleton, pose, frame, state.times_s)
         update |= {"root_m": placed.root_m, "rotations_wxyz": placed.rotations_wxyz}

@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.editor.frames import (
-    T_camera_world,
-    carried_pose,
     even_motion,
-    in_world,
     up_in_world,
     up_of,
 )
@@ -74,7 +71,7 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
             pose = posed.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     Ts = part_transforms(skeleton, Rs, ps)
-    return KnownMotion(frames, in_world(doc, Ts, frames))
+    return KnownMotion(frames, doc.film_camera.parts_to_world(Ts, frames))
 
 
 def _met_poses(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
@@ -112,7 +109,7 @@ def _with_posed(
     Rs = np.stack([pose.Rs_parent_part for pose in poses])
     ps = np.stack([pose.p_camera_root for pose in poses])
     frames, Ts = np.array([each.frame for each in posed]), part_transforms(skeleton, Rs, ps)
-    Ts = in_world(edit.settled, Ts, frames)
+    Ts = edit.settled.film_camera.parts_to_world(Ts, frames)
     if motion is not None:
         frames = np.append(frames, motion.frames)
         Ts = np.concatenate([Ts, motion.Ts_world_part])
@@ -146,7 +143,7 @@ def _untracked(
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
     doc, keyframes = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
     at, pose = next((k.frame, k.pose(skeleton)) for k in keyframes if k is not None)
-    begin, finish = (carried_pose(doc, at, pose, frame) for frame in (start, end))
+    begin, finish = (doc.film_camera.pose_seen_at(frame, at, pose) for frame in (start, end))
     return even_motion(doc, begin, finish, (start, end), frames)
 
 
@@ -184,7 +181,7 @@ def end_trail(edit: EditorState) -> EndTrail | None:
     index = joint_names(skeleton).index(_far_end(doc.subject.body, part))
     joints = joint_positions(skeleton, motion.Ts_world_part)
     keys = tuple(k.frame for k in doc.subject.keyframes if first <= k.frame <= last)
-    here = apply_transform(T_camera_world(doc, edit.frame), joints[:, index])
+    here = apply_transform(doc.film_camera.T_camera_world(edit.frame), joints[:, index])
     p_camera = joints[:, index] if doc.camera_path is None else here
     return EndTrail(part, tuple(range(first, last + 1)), p_camera, keys)
 
@@ -233,7 +230,7 @@ def feet_paths(edit: EditorState) -> FeetPaths:
     motion = known_motion(edit, MOST_MOMENTS)
     if motion is None:
         Ts = pose_transforms(edit.skeleton, shown_pose(edit).pose)[None]
-        Ts = in_world(edit.settled, Ts, [edit.frame])
+        Ts = edit.settled.film_camera.parts_to_world(Ts, [edit.frame])
         floor = floor_height(floor_m, lowest_heights(edit.skeleton, Ts, up))
         return FeetPaths(floor, np.zeros(0, dtype=np.int64), {})
     Ts = motion.Ts_world_part

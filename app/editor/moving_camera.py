@@ -11,7 +11,7 @@ from pydantic import Field, FiniteFloat
 
 from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused, seen_as_before
-from keypose.app.editor.frames import T_camera_world, up_of, zoom_at
+from keypose.app.editor.frames import up_of
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.gesture import Spot
@@ -63,7 +63,7 @@ class CameraHorizon(Edit):
             raise ActionRefused("Say what is up first: draw the horizon at another frame.")
         here = up_of(doc, frame)
         seen = up_from_horizon(state.camera.without_distortion(), self.a, self.b, here)
-        return _corrected(state, _least_turn(np.array(here), seen), zoom_at(doc, frame))
+        return _corrected(state, _least_turn(np.array(here), seen), doc.film_camera.zoom_at(frame))
 
 
 class CameraMatch(Edit):
@@ -81,13 +81,14 @@ class CameraMatch(Edit):
         if self.other == frame:
             raise ActionRefused("Mark the same points at another frame of the film first.")
         try:
-            matched = self._matched(doc.view.camera.without_distortion(), zoom_at(doc, self.other))
+            lens, zoom = doc.view.camera.without_distortion(), doc.film_camera.zoom_at(self.other)
+            matched = self._matched(lens, zoom)
         except CameraError as error:
             raise ActionRefused(str(error)) from None
         if np.median(matched.error_px) > MOST_OFF_PX:
             raise ActionRefused("No turn of the camera explains these points: check them.")
-        R = matched.R_other_one @ T_camera_world(doc, self.other)[:3, :3]
-        return _corrected(state, R @ T_camera_world(doc, frame)[:3, :3].T, matched.zoom)
+        R = matched.R_other_one @ doc.film_camera.T_camera_world(self.other)[:3, :3]
+        return _corrected(state, R @ doc.film_camera.T_camera_world(frame)[:3, :3].T, matched.zoom)
 
     def _matched(self, camera: Camera, zoom: float) -> Matched:
         """The turn between both frames; a zoom only where no turn alone explains the points, since
@@ -163,7 +164,7 @@ def _corrected(state: EditorState, turn: Array, zoom: float) -> Session:
     doc, frame = state.doc, state.frame
     if frame == 0:
         raise ActionRefused("The first frame is the world's own: correct the camera at another.")
-    T = T_camera_world(doc, frame).copy()
+    T = doc.film_camera.T_camera_world(frame).copy()
     T[:3] = turn @ T[:3]
     key = CameraKeyframe.of(frame, T, zoom)
     others = (k for k in doc.view.camera_keyframes if k.frame != frame)

@@ -56,7 +56,7 @@ class CorrectKeypoint(_OfKeypoint):
     at: Spot
 
     def apply(self, state: EditorState) -> Session:
-        uv = _in_video(state.doc.camera_at(self.frame), self.at)
+        uv = _in_video(state.doc.film_camera.at(self.frame), self.at)
         return self._with(state, KeypointCorrection(frame=self.frame, joint=self.joint, uv=uv))
 
 

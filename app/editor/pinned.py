@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.frames import in_world
 from keypose.app.editor.shown import part_at
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import handles, part_label
@@ -31,7 +30,7 @@ def corner_near(
     body, T = state.doc.subject.body, part_at(state, part, frame)
     vertices = np.asarray(body.parts[body.index(part)].shape.mesh().vertices)
     p = vertices @ T[:3, :3].T + T[:3, 3]
-    off = np.linalg.norm(state.doc.camera_at(frame).project(p) - uv, axis=1) + p[:, 2]
+    off = np.linalg.norm(state.doc.film_camera.at(frame).project(p) - uv, axis=1) + p[:, 2]
     if not np.isfinite(off).any():
         raise ActionRefused(f"{part_label(part)} cannot be seen at frame {frame}.")
     x, y, z = vertices[int(np.nanargmin(off))].tolist()
@@ -125,7 +124,7 @@ def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Arra
             continue
         rows, path = slice(begin - first, end - first), segment_result.trajectory
         Ts = part_transforms(state.skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])
-        Ts = in_world(state.doc, Ts[:, part], np.arange(begin, end))
+        Ts = state.doc.film_camera.parts_to_world(Ts[:, part], np.arange(begin, end))
         seen = held @ Ts[:, :3, :3].transpose(0, 2, 1) + Ts[:, None, :3, 3]
         seen[~segment_result.tracked[rows]] = np.nan
         points[begin - start : end - start] = seen

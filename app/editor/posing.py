@@ -13,7 +13,7 @@ import numpy as np
 
 from keypose.app.editor.body import with_body
 from keypose.app.editor.documents import ActionRefused, posed
-from keypose.app.editor.frames import carried_pose, pointer_views, up_of
+from keypose.app.editor.frames import pointer_views, up_of
 from keypose.app.editor.message import Degrees, Edit
 from keypose.app.editor.part_keyframes import WHOLE_BODY, require_correctable, with_limbs_posed
 from keypose.app.editor.pinned import pinned_ends
@@ -305,7 +305,8 @@ class CopyKey(Edit):
 
     def apply(self, state: EditorState) -> Session:
         pose = require_keyframe(state, self.from_frame).pose(state.skeleton)
-        return with_pose(state, carried_pose(state.doc, self.from_frame, pose, state.frame))
+        film_camera = state.doc.film_camera
+        return with_pose(state, film_camera.pose_seen_at(state.frame, self.from_frame, pose))
 
 
 class TakeTracked(Edit):

@@ -9,7 +9,6 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from keypose.app.editor.documents import ActionRefused, Posed
-from keypose.app.editor.frames import carried_pose, carried_to
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array, rotation_between
@@ -111,7 +110,7 @@ def ghost_transforms(state: EditorState, frame: int, pose: Pose) -> Array:
     """Ts_camera_part (P, 4, 4) of a pose of another frame, as the camera sees it at the present
     one."""
     Ts = pose_transforms(state.skeleton, pose)
-    return np.asarray(carried_to(state.doc, state.frame, Ts[None], [frame])[0])
+    return np.asarray(state.doc.film_camera.parts_seen_at(state.frame, Ts[None], [frame])[0])
 
 
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
@@ -138,9 +137,10 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
     if not keyframes:
         return ShownPose(state.opening, "rest")
     place = bisect_right([keyframe.frame for keyframe in keyframes], frame)
+    film_camera = state.doc.film_camera
     if place == 0 or place == len(keyframes):
         nearest = keyframes[min(place, len(keyframes) - 1)]
-        held = carried_pose(state.doc, nearest.frame, nearest.pose(state.skeleton), frame)
+        held = film_camera.pose_seen_at(frame, nearest.frame, nearest.pose(state.skeleton))
         return ShownPose(held, "held")
     before, after = keyframes[place - 1], keyframes[place]
     here = np.array([frame])
@@ -149,7 +149,7 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
         return ShownPose(Pose(motion[0][0], motion[1][0]), "between")
     share = (frame - before.frame) / (after.frame - before.frame)
     start, end = (
-        carried_pose(state.doc, k.frame, k.pose(state.skeleton), frame) for k in (before, after)
+        film_camera.pose_seen_at(frame, k.frame, k.pose(state.skeleton)) for k in (before, after)
     )
     return ShownPose(_mixed(start, end, share), "between")
 

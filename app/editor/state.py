@@ -109,7 +109,7 @@ class EditorState:
     @property
     def camera(self) -> Camera:
         """The camera as it is at the present frame."""
-        return self.doc.camera_at(self.frame)
+        return self.doc.film_camera.at(self.frame)
 
     @property
     def frame_count(self) -> int:

@@ -16,7 +16,6 @@ from keypose.tracker.body.trajectory import interpolate
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_names import Matched, match_also, matched
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.layouts import keypoint_name
@@ -79,9 +78,9 @@ def drafts_of(
 
     progress: receives how many frames of how many have been looked at.
     """
-    skeleton, path = Skeleton.of(session.subject.body), session.camera_path
+    skeleton, film_camera = Skeleton.of(session.subject.body), session.film_camera
     known_poses = (*session.subject.keyframes, *session.subject.drafts)
-    posed = in_world(path, {k.frame: k.pose(skeleton) for k in known_poses})
+    posed = film_camera.poses_to_world({k.frame: k.pose(skeleton) for k in known_poses})
     drafts = []
     for done, frame in enumerate(frames):
         if progress is not None:
@@ -93,10 +92,11 @@ def drafts_of(
         sure = keypoints.visibility[row, known.indices]
         if np.isfinite(uv).all(-1).sum() < LEAST_KEYPOINTS:
             continue
-        near = seen_at(path, frame, between(posed, sorted(posed), frame))
+        near = between(posed, sorted(posed), frame)
+        near = near and film_camera.pose_to_camera(frame, near)
         draft = _draft(session, known, uv, sure, frame, near, times_s)
         if draft is not None:
-            posed |= in_world(path, {frame: draft.keyframe.pose(skeleton)})
+            posed[frame] = film_camera.pose_to_world(frame, draft.keyframe.pose(skeleton))
             drafts.append(draft)
     return tuple(drafts)
 
@@ -111,7 +111,7 @@ def _draft(
     times_s: Array,
 ) -> Draft | None:
     """The pose that is seen at the keypoints; None where none lies before the camera."""
-    skeleton, camera = Skeleton.of(session.subject.body), session.camera_at(frame)
+    skeleton, camera = Skeleton.of(session.subject.body), session.film_camera.at(frame)
     points = BodyPoints(skeleton, tuple(known.places))
     starts = _starts(session, camera, up_of(session, frame), points, uv, near)
     solved = fit_picture(session.subject.body, camera, known.places, uv, sure, starts, near)
@@ -155,19 +155,6 @@ def _distance(camera: Camera, ps: Array, uv: Array) -> float:
         return camera.telephoto_distance_m
     z = camera.fy * float(np.std(ps[:, 1])) / max(float(np.std(uv[:, 1])), 1.0)
     return max(z, 1.0)
-
-
-def in_world(path: CameraPath | None, posed: Mapping[int, Pose]) -> dict[int, Pose]:
-    """Poses seen by a camera at their frames, in the world; as they are before one that is it."""
-    if path is None:
-        return dict(posed)
-    Ts = path.Ts_world_camera
-    return {frame: pose.carried(Ts[frame]) for frame, pose in posed.items()}
-
-
-def seen_at(path: CameraPath | None, frame: int, pose: Pose | None) -> Pose | None:
-    """A pose of the world as the camera sees it at a frame."""
-    return pose if path is None or pose is None else pose.carried(path.Ts_camera_world[frame])
 
 
 def between(posed: Mapping[int, Pose], frames: Sequence[int], frame: int) -> Pose | None:

@@ -19,8 +19,6 @@ from keypose.app.export.import_keypoints import (
     UP,
     Draft,
     between,
-    in_world,
-    seen_at,
 )
 from keypose.app.export.plausibility import (
     bone_ratios,
@@ -30,6 +28,7 @@ from keypose.app.export.plausibility import (
     require_limbs,
     world_at_rest,
 )
+from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
@@ -106,11 +105,14 @@ def fit_to_session(
     _require_joints(known, motion, file)
     require_limbs(skeleton, known.places, file)
     points = BodyPoints(skeleton, tuple(known.places))
-    path = None if motion.world == "camera" else session.camera_path
+    film_camera = session.film_camera
+    if motion.world == "camera":
+        film_camera = FilmCamera(film_camera.lens)
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     start, notes = 0, motion.notes
     if offset_s is None:
-        start = _best_start(points, motion, known.indices, times_s, in_world(path, posed))
+        in_world = film_camera.poses_to_world(posed)
+        start = _best_start(points, motion, known.indices, times_s, in_world)
         offset_s = float(times_s[start])
         notes += (Note("starts at", (start,)),) if start else ()
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file, len(motion))
@@ -118,13 +120,13 @@ def fit_to_session(
     size = median_ratio(bones)
     scale = size if motion.unit is None else 1.0
     _require_a_size(size / scale, file)
-    near = _pose_per_frame(session.camera_path, posed, first, len(ps))
+    near = _pose_per_frame(session.film_camera, posed, first, len(ps))
     reached = {f: p for f, p in posed.items() if _has_enough_joints(ps, f - first)}
     if len(ps) == 1 and near[0] is not None:
         reached = {first: near[0]}
     ps = ps * scale
     if reached:
-        ps = _on_keyframes(points, ps, first, in_world(path, reached))
+        ps = _on_keyframes(points, ps, first, film_camera.poses_to_world(reached))
     elif motion.world is None:
         raise FormatError(
             f"{file} does not say in which frame it is: choose its world, or set a keyframe."
@@ -133,13 +135,14 @@ def fit_to_session(
         world = world_at_rest(points, motion.world, motion.rest_m, known.indices)
         notes += () if world == motion.world else (Note("z up at rest"),)
         ps = _before_camera(session, ps, world)
-    if path is not None:
-        ps = _seen(path.between(first, first + len(ps) - 1), ps)
+    if film_camera.path is not None:
+        ps = _seen(film_camera.path.between(first, first + len(ps) - 1), ps)
     fit = fit_motion(session.subject.body, known.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
     notes += implausible(skeleton, known.places, bones, size, ps, fit)
     if not reached:
-        notes += lying(session.in_world(fit.trajectory), np.array(session.world.up_world or UP))
+        placed = session.film_camera.motion_to_world(fit.trajectory)
+        notes += lying(placed, np.array(session.world.up_world or UP))
     from_keyframes = _from_keyframes(points, fit, reached)
     if from_keyframes > FAR_M:
         notes += (Note("far from keyframes", (100 * from_keyframes,)),)
@@ -277,14 +280,14 @@ def _middle(camera: Camera, z: float) -> Array:
 
 
 def _pose_per_frame(
-    path: CameraPath | None, posed: Mapping[int, Pose], first: int, count: int
+    film_camera: FilmCamera, posed: Mapping[int, Pose], first: int, count: int
 ) -> list[Pose | None]:
     """For every frame the pose between its keyframes, or that of the nearest, in the world,
     as the camera sees it there; None without any.
     """
-    frames, placed = sorted(posed), in_world(path, posed)
-    every = range(first, first + count)
-    return [seen_at(path, frame, between(placed, frames, frame)) for frame in every]
+    frames, placed = sorted(posed), film_camera.poses_to_world(posed)
+    near = {frame: between(placed, frames, frame) for frame in range(first, first + count)}
+    return [pose and film_camera.pose_to_camera(frame, pose) for frame, pose in near.items()]
 
 
 def _require_before_camera(fit: JointFit, skeleton: Skeleton, file: str) -> None:
@@ -309,7 +312,7 @@ def _from_keyframes(points: BodyPoints, fit: JointFit, posed: Mapping[int, Pose]
 
 
 def _miss_px(session: Session, points: BodyPoints, fit: JointFit, ps: Array) -> Array:
-    camera, path = session.view.camera, session.path_over(fit.trajectory)
+    camera, path = session.view.camera, session.film_camera.path_over(fit.trajectory)
     found = points.at(fit.trajectory.transforms(points.skeleton))
     with np.errstate(invalid="ignore", divide="ignore"):
         away = np.linalg.norm(camera.project(found) - camera.project(ps), axis=-1)

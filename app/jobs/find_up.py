@@ -52,7 +52,7 @@ def upright_lines(session: Session, video: Video, frame: int | None = None) -> U
             pictures.append(video.frame(number))
         except MissingFrame:
             continue
-    camera = session.view.camera if frame is None else session.camera_at(frame)
+    camera = session.view.camera if frame is None else session.film_camera.at(frame)
     return up_from_lines(pictures, camera, lens_spread(session)) if pictures else None
 
 

@@ -124,7 +124,7 @@ def _artist(
     def framing_at(frame: int) -> Framing:
         if studio.session.camera_path is None or framing.centre_m is None:
             return framing
-        centre = studio.to_camera(frame, framing.centre_m)
+        centre = studio.session.film_camera.points_to_camera(frame, framing.centre_m)
         return replace(framing, centre_m=centre, Rs=studio.at(frame).Rs)
 
     if view == "all":
@@ -187,7 +187,7 @@ def _new_camera(
 
     def from_new_camera(frame: int, _: Picture | None) -> Picture:
         i, here = frame - film.first, studio.at(frame)
-        centre = studio.to_camera(frame, centres[i])
+        centre = studio.session.film_camera.points_to_camera(frame, centres[i])
         view = view_from(viewpoints[i], distance, here.Rs["front"], centre, size)
         below = _carried(studio, ground, first, frame)
         return here.perspective(view, below, centre, poses.pose(frame), layer_at(frame))
@@ -200,14 +200,16 @@ def _carried(studio: Studio, ground: Ground, first: int, frame: int) -> Ground:
     if studio.session.camera_path is None:
         return ground
     down = studio.Rs["front"][1]
-    rise = studio.to_world(first, np.zeros(3)) - studio.to_world(frame, np.zeros(3))
+    film_camera, origin = studio.session.film_camera, np.zeros(3)
+    rise = film_camera.points_to_world(first, origin) - film_camera.points_to_world(frame, origin)
     level, floor_m = studio.at(frame).Rs["front"], ground.floor_m + float(down @ rise)
     return replace(ground, R_level_camera=level, floor_m=floor_m)
 
 
 def _points(studio: Studio, poses: KnownPoses, frame: int) -> Array:
     """(K, 3) of the body at a frame, in the world."""
-    return studio.to_world(frame, posed_points(studio.skeleton, _posed(poses, frame)))
+    p_camera = posed_points(studio.skeleton, _posed(poses, frame))
+    return studio.session.film_camera.points_to_world(frame, p_camera)
 
 
 def _box_of_motion(studio: Studio, poses: KnownPoses, frames: tuple[int, ...]) -> Array:

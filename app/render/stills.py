@@ -88,7 +88,7 @@ def from_viewpoint(
     studio = Studio.of(session, Skeleton.of(session.subject.body)).at(frame)
     view, centre = _view(studio, pose, viewpoint, size)
     down = studio.Rs["front"][1]
-    origin = studio.to_camera(frame, np.zeros(3))
+    origin = studio.session.film_camera.points_to_camera(frame, np.zeros(3))
     ground = Ground.at(studio.skeleton, studio.Rs["front"], floor_height_m - float(down @ origin))
     return studio.perspective(view, ground, centre, pose, None)
 
@@ -111,12 +111,13 @@ def _from_viewpoint(
 
 def ground_below(studio: Studio, poses: KnownPoses, frame: int) -> Ground:
     """The floor under the whole motion, as the camera sees it at a frame. studio: of that frame."""
-    level, lowest = studio.Rs["front"], -np.inf
+    film_camera, level, lowest = studio.session.film_camera, studio.Rs["front"], -np.inf
     for each in poses.frames:
         pose = poses.pose(each)
         if pose is not None:
-            p_world = studio.to_world(each, posed_points(studio.skeleton, pose))
-            lowest = max(lowest, float((studio.to_camera(frame, p_world) @ level[1]).max()))
+            p_world = film_camera.points_to_world(each, posed_points(studio.skeleton, pose))
+            p_camera = film_camera.points_to_camera(frame, p_world)
+            lowest = max(lowest, float((p_camera @ level[1]).max()))
     return Ground.at(studio.skeleton, level, -lowest)
 
 

@@ -166,24 +166,8 @@ class Studio:
         if path is None:
             return self
         R = path.Ts_camera_world[frame, :3, :3]
-        camera = self.session.camera_at(frame).without_distortion()
+        camera = self.session.film_camera.at(frame).without_distortion()
         return replace(self, camera=camera, Rs={name: own @ R.T for name, own in self.Rs.items()})
-
-    def to_camera(self, frame: int, p_world: Array) -> Array:
-        """Points (..., 3) of the world for the camera at a frame."""
-        path = self.session.camera_path
-        if path is None:
-            return p_world
-        T = path.Ts_camera_world[frame]
-        return np.asarray(p_world @ T[:3, :3].T + T[:3, 3])
-
-    def to_world(self, frame: int, p_camera: Array) -> Array:
-        """Points (..., 3) that the camera sees at a frame, in the world."""
-        path = self.session.camera_path
-        if path is None:
-            return p_camera
-        T = path.Ts_world_camera[frame]
-        return np.asarray(p_camera @ T[:3, :3].T + T[:3, 3])
 
     def main(
         self, image: Picture | None, frame: int, pose: Pose | None, size: Size, paint: Paint

@@ -150,8 +150,9 @@ def _soles(session: Session, motion: Trajectory) -> list[Pin]:
 
 def motions_of(session: Session, fitting: Mapping[Span, SegmentResult]) -> dict[Span, Trajectory]:
     """What was tracked, by stretches, in the world."""
+    film_camera = session.film_camera
     return {
-        run.span: session.in_world(joined([segment.trajectory for segment in run.segments]))
+        run.span: film_camera.motion_to_world(joined([each.trajectory for each in run.segments]))
         for run in stretches(session, fitting)
     }
 

@@ -51,7 +51,7 @@ def asked(session: Session, stretch: SegmentRun) -> Asked:
     tracked = joined([segment.trajectory for segment in stretch.segments])
     fixed = [*(keyframe.frame for keyframe in keyframes), *(each.frame for each in keyed)]
     moments = Moments.of(session.view.video.repeats, first, last, fixed)
-    path = session.path_over(tracked)
+    path = session.film_camera.path_over(tracked)
     problem = SpaceProblem(
         skeleton=skeleton,
         camera=session.view.camera.without_distortion(),
@@ -125,7 +125,7 @@ def stances(session: Session, motion: Trajectory, up_world: Array | None) -> tup
     """Pins to propose for feet that stand still in a motion in the world. None where the way of its
     camera has no scale: there what stands still cannot be told from what moves."""
     skeleton, rate = Skeleton.of(session.subject.body), frames_per_second(session, motion)
-    pins = proposed_pins(skeleton, motion, rate, up_world, session.eyes(motion))
+    pins = proposed_pins(skeleton, motion, rate, up_world, session.film_camera.eyes(motion))
     spans = unscaled_spans(session)
     return tuple(
         pin

@@ -242,7 +242,7 @@ def _fall_m(session: Session, motion: Trajectory, pin: Pin, up: Array) -> float:
     """How far below the camera a foot stands: were it farther away by a share of its distance, and
     seen at the same place, it would be lower by that share of this."""
     row = pin.first_frame - motion.first_frame
-    eyes = session.eyes(motion)
+    eyes = session.film_camera.eyes(motion)
     eye = np.zeros(3) if eyes is None else eyes[row]
     part = session.subject.body.index(pin.part)
     place = motion.transforms(Skeleton.of(session.subject.body))[row, part, :3, 3]

@@ -17,12 +17,11 @@ import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
-from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
+from keypose.tracker.geometry.rotations import rotation_from_quaternion
 from keypose.tracker.geometry.up import UpEstimate, UpSource
 from keypose.tracker.session.annotations import (
     NoteList,
@@ -354,25 +353,10 @@ class Session(Plain):
             return None
         return path_through(motion, self.view.camera_keyframes)
 
-    def path_over(self, motion: Trajectory) -> CameraPath | None:
-        """Where the camera was over the frames of a motion; None as for `camera_path`."""
-        path = self.camera_path
-        return None if path is None else path.between(motion.first_frame, motion.last_frame)
-
-    def in_world(self, motion: Trajectory) -> Trajectory:
-        """A motion of these frames, seen by the first view's camera, in the world."""
-        path = self.path_over(motion)
-        return motion if path is None else motion.carried(path.Ts_world_camera)
-
-    def eyes(self, motion: Trajectory) -> Array | None:
-        """(N, 3) where the camera was in the world over a motion; None as for `camera_path`."""
-        path = self.path_over(motion)
-        return None if path is None else path.Ts_world_camera[:, :3, 3]
-
-    def camera_at(self, frame: int) -> Camera:
-        """The camera with the focal length it has at a frame."""
-        path = self.camera_path
-        return self.view.camera if path is None else path.camera_at(self.view.camera, frame)
+    @property
+    def film_camera(self) -> FilmCamera:
+        """The first view's camera, and where it was."""
+        return FilmCamera(self.view.camera, self.camera_path)
 
     def with_up(self, up_world: Iterable[float] | None) -> Self:
         """Set what is up as somebody said, rounded to 1e-6; None where nobody knows."""

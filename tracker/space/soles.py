@@ -47,7 +47,7 @@ def soles_of(session: Session, stretches: Sequence[SpaceResult]) -> Soles | None
     if session.world.floor_m is None or session.world.up_world is None:
         return None
     up = np.array(session.world.up_world)
-    motions = [session.in_world(stretch.motion) for stretch in stretches]
+    motions = [session.film_camera.motion_to_world(stretch.motion) for stretch in stretches]
     return measured_soles(
         Skeleton.of(session.subject.body),
         motions,

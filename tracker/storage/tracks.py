@@ -108,12 +108,10 @@ class Tracks:
 
     def in_world(self, session: Session) -> Tracks:
         """The motion in the world; itself where the session's camera stands still."""
-        path = session.camera_path
-        if path is None:
+        if session.camera_path is None:
             return self
-        last = self.first_frame + len(self.ps_camera_root) - 1
-        Ts = path.between(self.first_frame, last).Ts_world_camera
-        here = Trajectory(self.first_frame, self.Rs_parent_part, self.ps_camera_root).carried(Ts)
+        seen = Trajectory(self.first_frame, self.Rs_parent_part, self.ps_camera_root)
+        here = session.film_camera.motion_to_world(seen)
         return replace(
             self,
             Rs_parent_part=here.Rs_parent_part,

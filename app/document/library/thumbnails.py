@@ -66,7 +66,7 @@ def _jpeg(cut: Picture) -> bytes:
 
 def _body(session: Session, frame: int) -> tuple[NDArray[np.float64], float]:
     """(2,) where the joints lie on average, and how far they reach in v; without a pose all."""
-    camera = session.camera_at(frame)
+    camera = session.film_camera.at(frame)
     everything = np.array([camera.width / 2, camera.height / 2]), float(camera.height)
     posed = [k for k in (*session.subject.keyframes, *session.subject.drafts) if k.frame == frame]
     if not posed:

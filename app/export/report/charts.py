@@ -341,7 +341,7 @@ def _in_world(subject: Subject, track: SegmentResult) -> SegmentResult:
     """The motion as it is in the world, whatever the camera does."""
     if subject.session.camera_path is None:
         return track
-    return replace(track, trajectory=subject.session.in_world(track.trajectory))
+    return replace(track, trajectory=subject.session.film_camera.motion_to_world(track.trajectory))
 
 
 def _row(name: str, plot: Child, class_: str) -> Html:

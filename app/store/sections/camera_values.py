@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from keypose.app.editor.frames import T_camera_world
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.app.words.camera import camera_sentence, finding_sentence
@@ -75,7 +74,7 @@ def camera_here(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return None
-    T = rigid_inverse(T_camera_world(edit.doc, edit.frame))
+    T = rigid_inverse(edit.doc.film_camera.T_camera_world(edit.frame))
     return list((T[:3].reshape(12).round(6) + 0.0).tolist())
 
 

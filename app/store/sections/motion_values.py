@@ -256,7 +256,7 @@ def review(app_state: AppState) -> Json:
 
 def _place(doc: Session, found: Review, place: Place) -> Json:
     """`end` is in the camera frame, metres; `at` and `box` pixels of the picture as it is shown."""
-    camera = doc.camera_at(place.frame).without_distortion()
+    camera = doc.film_camera.at(place.frame).without_distortion()
     body = camera.project(place.body_m)
     crop = max(CROP_SHARE * found.body_m * place.px_per_m, LEAST_CROP_PX)
     return {

@@ -78,7 +78,7 @@ def camera(app_state: AppState) -> Json:
     if doc is None:
         return None
     frame = app_state.edit.frame if app_state.edit else 0
-    given, up = doc.camera_at(frame), up_of(doc, frame)
+    given, up = doc.film_camera.at(frame), up_of(doc, frame)
     longer = max(given.width / given.fx, given.height / given.fy)
     tilt, roll = tilt_and_roll(up)
     horizon = horizon_of(given, up)

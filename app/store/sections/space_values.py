@@ -8,7 +8,6 @@ import numpy as np
 
 from keypose.app.editor import shown
 from keypose.app.editor.floor import uneven_feet_m
-from keypose.app.editor.frames import in_world
 from keypose.app.editor.motion import feet_paths
 from keypose.app.editor.pinned import default_landmarks, open_proposals, pin_result, still_range
 from keypose.app.editor.shown import part_at
@@ -208,7 +207,7 @@ def _sole(edit: EditorState, pin: Pin) -> list[list[float]]:
     if not default_landmarks(edit.doc.subject.body, pin.part):
         return []
     middle = (pin.first_frame + pin.last_frame) // 2
-    T_part = in_world(edit.doc, part_at(edit, pin.part, middle)[None], [middle])[0]
+    T_part = edit.doc.film_camera.parts_to_world(part_at(edit, pin.part, middle)[None], [middle])[0]
     outline = _sole_in_part(edit.skeleton, pin.part) @ T_part[:3, :3].T + T_part[:3, 3]
     found: list[list[float]] = outline.round(4).tolist()
     return found

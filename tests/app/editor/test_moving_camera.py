@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.frames import T_camera_world, pointer_views, up_of, views_of
+from keypose.app.editor.frames import pointer_views, up_of, views_of
 from keypose.app.editor.motion import angle_curve, end_trail, feet_paths, motion_between
 from keypose.app.editor.moving_camera import forgotten
 from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
@@ -59,7 +59,7 @@ def test_a_body_that_stands_still_in_the_world_is_seen_where_it_stands_between_k
     for frame in range(panned.FRAMES):
         state = desk(frame=frame)
         Ts = pose_transforms(state.skeleton, shown_pose(state).pose)
-        in_world = np.linalg.inv(T_camera_world(state.doc, frame)) @ Ts
+        in_world = np.linalg.inv(state.doc.film_camera.T_camera_world(frame)) @ Ts
         first = pose_transforms(state.skeleton, cases.pose(0.4))
         np.testing.assert_allclose(in_world, first, atol=1e-9)
 
@@ -84,7 +84,7 @@ def test_small_views_stand_still_in_the_world() -> None:
     seen = []
     for frame in (0, 9, 23):
         state = desk(frame=frame)
-        p_camera = T_camera_world(state.doc, frame)[:3, :3] @ p_world
+        p_camera = state.doc.film_camera.T_camera_world(frame)[:3, :3] @ p_world
         views = pointer_views(state.doc, frame)
         seen.append([views[name].project(p_camera) for name in ("top", "side", "front")])
     np.testing.assert_allclose(seen[1:], [seen[0]] * 2, atol=1e-9)
@@ -93,7 +93,7 @@ def test_small_views_stand_still_in_the_world() -> None:
 def test_up_and_the_floor_are_the_worlds() -> None:
     for frame in (0, 11, 23):
         state = desk(frame=frame)
-        R = T_camera_world(state.doc, frame)[:3, :3]
+        R = state.doc.film_camera.T_camera_world(frame)[:3, :3]
         np.testing.assert_allclose(up_of(state.doc, frame), R @ UP, atol=1e-12)
     floors = {round(feet_paths(desk(frame=frame)).floor_m, 6) for frame in (0, 11, 23)}
     assert len(floors) == 1
@@ -103,7 +103,7 @@ def test_a_horizon_drawn_at_any_frame_says_the_same() -> None:
     up = exp_rotation(np.radians([9.0, 0.0, 4.0])) @ UP
     for frame in (0, 13, 23):
         state = desk(panned.panned(), frame)
-        line = horizon_of(state.camera, T_camera_world(state.doc, frame)[:3, :3] @ up)
+        line = horizon_of(state.camera, state.doc.film_camera.T_camera_world(frame)[:3, :3] @ up)
         assert line is not None
         drawn = after(state, {"do": "horizon", "a": line[0].tolist(), "b": line[1].tolist()})
         assert drawn.doc.world.up_world is not None
@@ -242,8 +242,8 @@ def test_a_lens_that_is_said_of_a_frame_is_that_of_this_frame_also_where_the_cam
     zoom = np.linspace(1, 1.5, panned.FRAMES)
     zooming = CameraMotion.of("turns", CameraPath(panned.path().Ts_camera_world, zoom))
     state = after(desk(panned.session(zooming), frame=20), said)
-    assert focal(state.doc.camera_at(20))
-    assert state.doc.camera_at(20).fx == pytest.approx(zoom[20] * state.doc.view.camera.fx)
+    assert focal(state.doc.film_camera.at(20))
+    assert state.doc.film_camera.at(20).fx == pytest.approx(zoom[20] * state.doc.view.camera.fx)
 
 
 def test_what_is_not_tracked_goes_evenly_through_the_world_also_where_it_is_drawn_as_a_whole() -> (
@@ -266,7 +266,7 @@ def seen(doc: Session) -> dict[int, np.ndarray]:
     """Where the root of the body is seen, and how large, by frame."""
     found = {}
     for posed in doc.subject.posed:
-        camera, (x, y, z) = doc.camera_at(posed.frame), posed.root_m
+        camera, (x, y, z) = doc.film_camera.at(posed.frame), posed.root_m
         found[posed.frame] = np.array([*camera.project(np.array([x, y, z])), camera.fx / z])
     return found
 
@@ -369,7 +369,7 @@ def test_upright_lines_of_any_frame_say_the_same() -> None:
     up = exp_rotation(np.radians([14.0, 0.0, 4.0])) @ UP
     for frame in (0, 13, 23):
         state = desk(panned.panned(), frame)
-        R = T_camera_world(state.doc, frame)[:3, :3]
+        R = state.doc.film_camera.T_camera_world(frame)[:3, :3]
         doc = state.doc.with_up(None)
         estimate = estimated_up(doc, {}, evidence_of_lines(doc, {frame: upright(R @ up)}))
         found, _ = FindUp(b"", "", "", frame).apply(FoundUp(estimate), AppState(edit=state))
@@ -379,7 +379,7 @@ def test_upright_lines_of_any_frame_say_the_same() -> None:
 def test_lines_of_many_frames_are_as_sure_as_those_of_one_and_one_that_is_off_is_left_out() -> None:
     up = exp_rotation(np.radians([14.0, 0.0, 4.0])) @ UP
     doc = panned.panned()
-    frames = {n: upright(T_camera_world(doc, n)[:3, :3] @ up) for n in (0, 9, 13, 23)}
+    frames = {n: upright(doc.film_camera.T_camera_world(n)[:3, :3] @ up) for n in (0, 9, 13, 23)}
     all_of_them, alone = (evidence_of_lines(doc, some) for some in (frames, {9: frames[9]}))
     assert all_of_them is not None
     assert alone is not None
@@ -395,7 +395,7 @@ def in_world(doc: Session, frame: int, skeleton: Skeleton = cases.SKELETON) -> n
     """Where the parts of what is posed at a frame stand in the world."""
     posed = next(each for each in doc.subject.posed if each.frame == frame)
     Ts = pose_transforms(skeleton, posed.pose(skeleton))
-    return np.asarray(np.linalg.inv(T_camera_world(doc, frame)) @ Ts)
+    return np.asarray(np.linalg.inv(doc.film_camera.T_camera_world(frame)) @ Ts)
 
 
 @pytest.mark.parametrize(

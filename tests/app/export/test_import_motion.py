@@ -554,7 +554,7 @@ def test_keypoints_before_a_camera_that_moves_and_zooms_are_met_where_they_are_s
     laid, uv = BodyPoints(SKELETON, tuple(known.places)), keypoints.uv.copy()
     for frame in range(len(TRUTH)):
         ps = laid.at(pose_transforms(SKELETON, seen.pose(frame)))
-        uv[frame, known.indices] = session.camera_at(frame).project(ps)
+        uv[frame, known.indices] = session.film_camera.at(frame).project(ps)
     for draft in _drafts(session, replace(keypoints, uv=uv), [6, 36, 66]):
         found, truth = draft.keyframe.pose(SKELETON), seen.pose(draft.keyframe.frame)
         assert draft.miss_px < 1.0

@@ -237,7 +237,7 @@ def test_a_camera_of_some_frames_alone_sees_them_as_it_did(
     assert there is not None
     assert motion.kind == ("turns" if turns else "moves")
     for frame in (20, 35, 50):
-        assert session.camera_at(frame).fy == pytest.approx(path.zoom[frame] * made.camera.fy)
+        assert session.film_camera.at(frame).fy == pytest.approx(path.zoom[frame] * made.camera.fy)
         seen, was = (
             one.Ts_camera_world[frame, :3, :3] @ up
             for one, up in ((there, session.world.up_world), (path, TILTED))

@@ -224,6 +224,6 @@ def test_pictures_that_are_repeated_before_a_pan_leave_what_stands_where_it_stan
     video = session.view.video.model_copy(update={"repeats": Repeats(frames=copies, even=even)})
     session = session.changed({"video": video})
     (stretch,) = stretches(session, tracked(session, motion))
-    found = session.in_world(solved(session, stretch).motion)
+    found = session.film_camera.motion_to_world(solved(session, stretch).motion)
     away = np.linalg.norm(found.ps_camera_root - pose.p_camera_root, axis=1)
     assert away.max() < 1e-3

@@ -58,7 +58,7 @@ def test_a_camera_that_is_said_to_stand_still_does() -> None:
         {"settings": session.settings.model_copy(update={"static_camera": True})}
     )
     assert still.camera_path is None
-    assert still.camera_at(5) is still.view.camera
+    assert still.film_camera.at(5) is still.view.camera
 
 
 def test_a_persons_correction_is_met_and_outdates_no_segment() -> None:
