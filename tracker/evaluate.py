@@ -133,8 +133,9 @@ def evaluate(
             f"{skeleton.part_count}."
         )
     available = np.arange(truth.first_frame, truth.last_frame + 1)
-    given = (available, keyframe_frames, open_ends)
-    frames, linear = _frames_and_interpolation(estimate, *given, path)
+    frames, linear = _frames_and_interpolation(
+        estimate, available, keyframe_frames, open_ends, path
+    )
     zoom = _zoom(path, frames)
     names, joints = joint_names(skeleton), truth.joints(skeleton)[frames - truth.first_frame]
     Rs = truth.Rs_parent_part[frames - truth.first_frame]
@@ -160,8 +161,9 @@ def evaluate_joints(
 ) -> Evaluation:
     """Errors against known joints; path as of `evaluate`. FormatError when none lies between two
     keyframes."""
-    given = (reference.frames, keyframe_frames, open_ends)
-    frames, linear = _frames_and_interpolation(estimate, *given, path)
+    frames, linear = _frames_and_interpolation(
+        estimate, reference.frames, keyframe_frames, open_ends, path
+    )
     zoom = _zoom(path, frames)
     known = reference.positions[np.searchsorted(reference.frames, frames)]
 

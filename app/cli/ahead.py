@@ -49,8 +49,9 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
                     found.append(_followed(asked, video, way, stop, arguments))
         times_s = session.evidence.times_s(video.info.times_s)
         for each in found:
-            given = each.frame, each.motion, each.to_frame, each.stop, times_s
-            session = followed_session(up_to_date(session), *given)
+            session = followed_session(
+                up_to_date(session), each.frame, each.motion, each.to_frame, each.stop, times_s
+            )
         if any(each.to_frame != each.frame for each in found):
             if arguments.out is None:
                 save_session(session, place)

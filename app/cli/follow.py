@@ -53,12 +53,11 @@ def follow(
     lets the tracker come to rest and say all it has finished; a second one breaks off even that.
     """
     stop = threading.Event()
-    given = (session, session_path, video, wanted)
     finished: dict[Span, SegmentResult] = {}
     cancelled = False
     with set_when_interrupted(stop), _reporter(wanted, as_json) as send:
         try:
-            for report in rerun(*given, workers=workers, stop=stop):
+            for report in rerun(session, session_path, video, wanted, workers=workers, stop=stop):
                 found = found_in(report)
                 if isinstance(report, Finished):
                     cancelled = report.cancelled

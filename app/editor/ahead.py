@@ -153,8 +153,14 @@ def followed_so_far(state: EditorState, frame: int, motion: Trajectory) -> Sessi
 
 def with_followed(state: EditorState, found_ahead: FoundAhead) -> EditorState:
     """Take over what was followed, as one step."""
-    given = found_ahead.frame, found_ahead.motion, found_ahead.to_frame, found_ahead.stop
-    doc = followed_session(state.doc, *given, state.times_s)
+    doc = followed_session(
+        state.doc,
+        found_ahead.frame,
+        found_ahead.motion,
+        found_ahead.to_frame,
+        found_ahead.stop,
+        state.times_s,
+    )
     return state.with_step(doc, LABEL)
 
 

@@ -93,11 +93,12 @@ class Lens(Edit):
     bent: bool | None = None
 
     def apply(self, state: EditorState) -> Session:
-        size = (state.doc.view.camera.width, state.doc.view.camera.height)
         if self.mm is None:
-            camera = Camera.guess(*size)
+            camera = Camera.guess(state.doc.view.camera.width, state.doc.view.camera.height)
         else:
-            camera = Camera.from_focal_length(*size, self.mm)
+            camera = Camera.from_focal_length(
+                state.doc.view.camera.width, state.doc.view.camera.height, self.mm
+            )
         bent = {True: BENT, False: STRAIGHT, None: state.doc.view.camera.distortion}[self.bent]
         known = "guess" if self.mm is None else self.known
         if known == "person":

@@ -352,6 +352,17 @@ def with_clip_drafted(
     flipped: Sequence[record.FlippedDrafts] = (),
 ) -> EditorState:
     """Take over the drafts of a clip, as one step; see `drafted_session`."""
-    given = (frames, body, poses, keypoints, proposals)
-    doc = drafted_session(state.doc, *given, state.times_s, up_camera, only, rest, flipped)
+    doc = drafted_session(
+        state.doc,
+        frames,
+        body,
+        poses,
+        keypoints,
+        proposals,
+        state.times_s,
+        up_camera,
+        only,
+        rest,
+        flipped,
+    )
     return state.with_step(doc, LABEL)

@@ -145,8 +145,9 @@ def with_reduction(
     replacing: bool,
 ) -> EditorState:
     """Take over the reduced motion, as one step."""
-    given = (found, frames, state.times_s, first_motion)
-    doc = reduced_session(state.doc, *given, replacing=replacing)
+    doc = reduced_session(
+        state.doc, found, frames, state.times_s, first_motion, replacing=replacing
+    )
     return state.with_step(doc, LABEL)
 
 
@@ -222,8 +223,9 @@ def _on_keyframes(doc: Session, imported: Trajectory) -> list[Trajectory]:
     for a, b in pairwise(doc.subject.keyframes):
         ends = imported.first_frame <= a.frame and b.frame <= imported.last_frame
         if ends and all(_has_pose(imported, each.frame) for each in (a, b)):
-            given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
-            motions.append(displaced(imported, *given))
+            motions.append(
+                displaced(imported, a.pose(skeleton), b.pose(skeleton), a.frame, b.frame)
+            )
     return motions
 
 

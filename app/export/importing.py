@@ -122,8 +122,9 @@ def import_motion(
     """Fit a motion to the session's body at the video's frames; one of one frame is a draft."""
     offset_s = _offset_s(order, times_s)
     names = None if order.names is None else load_names(order.names)
-    given = (names, dict(order.places), progress)
-    imported_motion = fit_to_session(session, motion, file, times_s, offset_s, *given)
+    imported_motion = fit_to_session(
+        session, motion, file, times_s, offset_s, names, dict(order.places), progress
+    )
     if len(imported_motion.fit.trajectory) > 1:
         return MotionImport(imported_motion, motion.names)
     draft = pose_draft(session, imported_motion, file, times_s)

@@ -224,11 +224,18 @@ def write_film_with_alpha(out: Path, matte: Matte, *, overwrite: bool = False) -
     """Write a film; VideoError, and no file, when it cannot be made."""
     info = matte.video.info
     clock = clock_of(matte.session, matte.video, matte.first, matte.last)
-    timing = clock.time_base, clock.rate, info.pixel_aspect
     kind, alpha = FILMS[matte.order.kind], not matte.order.alpha_only
     with (
         film_file(out, overwrite=overwrite) as place,
-        FilmWriter(place, (info.width, info.height), *timing, kind, alpha=alpha) as film,
+        FilmWriter(
+            place,
+            (info.width, info.height),
+            clock.time_base,
+            clock.rate,
+            info.pixel_aspect,
+            kind,
+            alpha=alpha,
+        ) as film,
     ):
         for pts, picture in zip(clock.pts, matte.pictures(), strict=True):
             film.add(picture, pts)

@@ -116,10 +116,17 @@ def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int,
 def _csv(recording: Recording, _order: MotionOrder) -> Sequence[str]:
     from keypose.tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
-    motion = (recording.skeleton, recording.trajectory, recording.times_s)
-    angles = angles_csv(*motion, recording.joint_angles, recording.up_camera)
+    angles = angles_csv(
+        recording.skeleton,
+        recording.trajectory,
+        recording.times_s,
+        recording.joint_angles,
+        recording.up_camera,
+    )
     world = recording.world if recording.tracks.tracked.any() else None
-    joints = joints_csv(*motion, world, recording.ps_seen_joint)
+    joints = joints_csv(
+        recording.skeleton, recording.trajectory, recording.times_s, world, recording.ps_seen_joint
+    )
     return joints, angles, frames_csv(recording)
 
 

@@ -296,9 +296,17 @@ class DraftClip(Fit):
         referring = save_keypoints(
             edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
         )
-        given = (draft.body, draft.poses, referring.view.keypoints, draft.proposals)
         return with_clip_drafted(
-            edit, self.frames, *given, self.up_camera, only, rest, draft.flipped
+            edit,
+            self.frames,
+            draft.body,
+            draft.poses,
+            referring.view.keypoints,
+            draft.proposals,
+            self.up_camera,
+            only,
+            rest,
+            draft.flipped,
         )
 
 

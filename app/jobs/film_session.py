@@ -146,7 +146,16 @@ def with_draft_kept(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(who.frame,)
     )
     times_s = session.evidence.times_s(video.info.times_s)
-    given = (draft.body, draft.poses, session.view.keypoints, draft.proposals, times_s)
     return drafted_session(
-        session, frames, *given, session.world.up_world, only, rest, draft.flipped
+        session,
+        frames,
+        draft.body,
+        draft.poses,
+        session.view.keypoints,
+        draft.proposals,
+        times_s,
+        session.world.up_world,
+        only,
+        rest,
+        draft.flipped,
     )

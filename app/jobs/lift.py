@@ -91,8 +91,12 @@ class LiftDrafts(Fit):
         if lifter is not None:
             keypoints = lifter.of(keypoints, session.subject.body)
         seen = at_one_focal(session, keypoints)
-        given = (seen, session.view.camera, session.subject.body, anew, posed, posed, changes)
-        return {**anew, **refit_drafts(*given)}
+        return {
+            **anew,
+            **refit_drafts(
+                seen, session.view.camera, session.subject.body, anew, posed, posed, changes
+            ),
+        }
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (

@@ -63,8 +63,16 @@ class ReduceMotion(Fit):
                 context.report(done / expected)
 
         found, skeleton = self.found, Skeleton.of(session.subject.body)
-        given = (found.motion, self.goal, found.required, found.parts)
-        return reduce_motion(skeleton, session.view.camera, *given, report, session.camera_path)
+        return reduce_motion(
+            skeleton,
+            session.view.camera,
+            found.motion,
+            self.goal,
+            found.required,
+            found.parts,
+            report,
+            session.camera_path,
+        )
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (

@@ -117,8 +117,7 @@ class Track(Job):
         if not tasks:
             return
         tracker = context.cache.tracker(session, self.video_path, Path(self.folder))
-        given = (context.threads, reporter.report, context.cancelled)
-        complete = run_tasks(tracker, tasks, *given)
+        complete = run_tasks(tracker, tasks, context.threads, reporter.report, context.cancelled)
         if reporter.error is not None:
             raise reporter.error
         if not complete:

@@ -153,9 +153,18 @@ class Worker:
         with ThreadPoolExecutor(THREADS) as threads:
             while True:
                 order, cancelled = self._latest.take()
-                given = (worker_cache, threads, cancelled.is_set, self._send, self._hold)
                 if self._is_ready_for(order.asked, cancelled):
-                    do(order.asked, Context(order.job, *given))
+                    do(
+                        order.asked,
+                        Context(
+                            order.job,
+                            worker_cache,
+                            threads,
+                            cancelled.is_set,
+                            self._send,
+                            self._hold,
+                        ),
+                    )
                 else:
                     self._send(Finished(order.job, cancelled=True))
 

@@ -406,8 +406,7 @@ class Store:
         edit = self._app_state.edit
         if edit is None or now.session_path != target.session_path:
             raise ActionRefused("Another session was opened meanwhile: import again.")
-        given = (found, file, target.session_path)
-        after, outcome = with_import(target.doc, end_stroke(edit), *given)
+        after, outcome = with_import(target.doc, end_stroke(edit), found, file, target.session_path)
         self._edit_to(after)
         return outcome
 

@@ -18,7 +18,8 @@ def way(found):
     \"\"\"Return what was found.\"\"\"
     for one in found:
         matrix = np.linalg.solve(*one)
-    return carried(matrix, *found)  # fmt: skip
+    pair = matrix, found
+    return carried(*pair)  # fmt: skip
 """
 TREE = Tree(
     {
@@ -30,7 +31,7 @@ TREE = Tree(
         "app/editor/known.py": "class KnownMotion:\n    results: Results = None",
         "app/editor/state.py": "class EditorState:\n    motion: KnownMotion = None",
         "tracker/keypoints/source.py": SOURCE,
-        "tests/tracker/keypoints/test_source.py": "\n" * 26,
+        "tests/tracker/keypoints/test_source.py": "\n" * 28,
         "static/page.js": "x" * 121 + "\n" + "y" * 120,
         "README.md": "two words",
     }
@@ -50,7 +51,7 @@ TREE = Tree(
         ("constants that share a line", 2),
         ("fmt: " + "skip", 1),
         ("script lines over 120", 1),
-        ("calls with *arguments", 2),
+        ("calls that unpack what was packed", 1),
         ("test lines a line, keypoints", 2.0),
         ("words of READMEs", 2),
     ],

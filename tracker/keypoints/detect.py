@@ -357,8 +357,9 @@ class _Found:
         self._p_hips[n], self._masks[n] = rows.p_hips[k], rows.masks[k]
 
     def keypoints(self) -> Keypoints:
-        found = self._uv, self._visibility, self._p_hips
-        return Keypoints(self._first, NAMES, *found, masks=tuple(self._masks))
+        return Keypoints(
+            self._first, NAMES, self._uv, self._visibility, self._p_hips, masks=tuple(self._masks)
+        )
 
 
 @dataclass(eq=False)

@@ -177,22 +177,47 @@ class Placed:
         b: Array,
     ) -> float:
         """The same, and A (N, D, D), b (N, D) += the normal equations."""
-        parts = self.Rs_camera_part, self.ps_camera_part, self.twists
-        seen = lens_of(camera), uv, scale
-        return float(add_picture(places, *parts, *seen, nearest_m, *numbered(kernel), A, b))
+        return float(
+            add_picture(
+                places,
+                self.Rs_camera_part,
+                self.ps_camera_part,
+                self.twists,
+                lens_of(camera),
+                uv,
+                scale,
+                nearest_m,
+                *numbered(kernel),
+                A,
+                b,
+            )
+        )
 
     def depth_cost(self, places: Places, depth: Array, scale: Array, kernel: Kernel) -> float:
         """What it costs that places are so much farther than the root: depth, scale (N, J)."""
-        parts = self.Rs_camera_part, self.ps_camera_part
-        return float(depth_cost(places, *parts, depth, scale, *numbered(kernel)))
+        return float(
+            depth_cost(
+                places, self.Rs_camera_part, self.ps_camera_part, depth, scale, *numbered(kernel)
+            )
+        )
 
     def add_depth(
         self, places: Places, depth: Array, scale: Array, kernel: Kernel, A: Array, b: Array
     ) -> float:
         """The same, and A, b += the normal equations."""
-        parts = self.Rs_camera_part, self.ps_camera_part, self.twists
         known = depth, scale, *numbered(kernel)
-        return float(add_depth(self.chain, places, *parts, *known, A, b))
+        return float(
+            add_depth(
+                self.chain,
+                places,
+                self.Rs_camera_part,
+                self.ps_camera_part,
+                self.twists,
+                *known,
+                A,
+                b,
+            )
+        )
 
     def limit_cost(self, limits: SoftLimits) -> float:
         """What it costs to lie outside limits by more than is allowed."""

@@ -92,8 +92,9 @@ class Posed:
         backward: the root's shift in its frame here, so that the motion's negative leads back;
             otherwise in its frame there, so that the motion leads from there to here.
         """
-        here = self.each(Rs_parent_part, 3), self.each(p_camera_root, 1)
-        motion = self.placed.motion_from(*here, backward=backward)
+        motion = self.placed.motion_from(
+            self.each(Rs_parent_part, 3), self.each(p_camera_root, 1), backward=backward
+        )
         return motion.reshape(*self.batch, -1)
 
     def each(self, values: Array, own: int) -> Array:

@@ -129,9 +129,15 @@ class FileSource:
 
     def _progressive(self, number: int) -> Iterator[tuple[int, Picture]]:
         """The picture of a frame that is held, from its neighbours that are; else it is missing."""
-        neighbours = self._held.get(number - 1), self._held[number], self._held.get(number + 1)
         try:
-            picture = self._picture(self._fields.frame(number, *neighbours))
+            picture = self._picture(
+                self._fields.frame(
+                    number,
+                    self._held.get(number - 1),
+                    self._held[number],
+                    self._held.get(number + 1),
+                )
+            )
         except PYAV_ERRORS:
             picture = None
         if picture is None:

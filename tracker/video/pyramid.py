@@ -59,8 +59,12 @@ class Window(NamedTuple):
 
     def joined(self, other: Window) -> Window:
         """The smallest one that holds both."""
-        low = min(self.left, other.left), min(self.top, other.top)
-        return Window(*low, max(self.right, other.right), max(self.bottom, other.bottom))
+        return Window(
+            min(self.left, other.left),
+            min(self.top, other.top),
+            max(self.right, other.right),
+            max(self.bottom, other.bottom),
+        )
 
     def within(self, other: Window) -> Window:
         """The part of it within another one; empty ones lie at a corner of that."""
@@ -80,14 +84,19 @@ class Window(NamedTuple):
 
     def aligned(self, step: int) -> Window:
         """The smallest one around it that begins and ends at multiples of a step."""
-        low = self.left // step * step, self.top // step * step
-        return Window(*low, -(-self.right // step) * step, -(-self.bottom // step) * step)
+        return Window(
+            self.left // step * step,
+            self.top // step * step,
+            -(-self.right // step) * step,
+            -(-self.bottom // step) * step,
+        )
 
     def halved(self, times: int) -> Window:
         """The smallest one around it in pictures that are halved so many times."""
         scale = 2**times
-        low = self.left // scale, self.top // scale
-        return Window(*low, -(-self.right // scale), -(-self.bottom // scale))
+        return Window(
+            self.left // scale, self.top // scale, -(-self.right // scale), -(-self.bottom // scale)
+        )
 
     def doubled(self, times: int) -> Window:
         """It in pictures that are doubled so many times."""

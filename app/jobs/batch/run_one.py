@@ -286,8 +286,7 @@ def _track(
     warm(needed(asked))
     found, percent = _Found([]), 0
     try:
-        given = (asked, task.session, video, wanted)
-        for report in rerun(*given, workers=task.threads, stop=stop):
+        for report in rerun(asked, task.session, video, wanted, workers=task.threads, stop=stop):
             if isinstance(report, Finished):
                 found.cancelled = report.cancelled
             if not isinstance(report, Progress):

@@ -75,8 +75,7 @@ _POSES = _doc("body", "keyframes", "part_keyframes", "drafts")
 def _curve_poses(app_state: AppState) -> tuple[Any, ...]:
     """A drag moves its point of the curve at once, but not where the curve is long to draw."""
     long = app_state.edit is not None and app_state.edit.frame_count > LONG_CURVE
-    names = ("body", "keyframes", "drafts")
-    return (_settled if long else _doc)(*names)(app_state)
+    return (_settled if long else _doc)("body", "keyframes", "drafts")(app_state)
 
 
 def _in_hand(app_state: AppState) -> tuple[Any, ...]:

@@ -366,8 +366,17 @@ class _DraftRun:
             p_hips = joints.on_joints(p_hips)
         for n in range(len(observed)):
             self._report(0)
-            given = (observed.uv[n, joint], observed.visibility[n, joint], p_hips[n])
-            poses.append(first_pose(joints, self.camera, *given) if observed.usable[n] else None)
+            poses.append(
+                first_pose(
+                    joints,
+                    self.camera,
+                    observed.uv[n, joint],
+                    observed.visibility[n, joint],
+                    p_hips[n],
+                )
+                if observed.usable[n]
+                else None
+            )
         return filled(observed.first_frame, poses)
 
     def _report(self, more: int) -> None:

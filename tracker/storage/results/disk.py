@@ -51,8 +51,9 @@ def load_results(session: Session, session_path: Path) -> Results:
     for stretch in session.subject.results.space:
         path = _path(tracks, stretch, None)
         if path is not None:
-            facts = (stretch.pins, stretch.proposed, stretch.findings, stretch.floor_m)
-            solved = SpaceResult(stretch.key, path, *facts)
+            solved = SpaceResult(
+                stretch.key, path, stretch.pins, stretch.proposed, stretch.findings, stretch.floor_m
+            )
             results = results.with_space(solved)
     return results
 

@@ -76,12 +76,13 @@ def _fit(
     uv = np.swapaxes(np.where(followed[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
     points = BodyPoints.single(skeleton, tracks.parts, tracks.points)
     keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
-    start = base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1]
     smooth = scene.precision(BEND_FROM_START)
     terms = (
         PointsInPicture(points, scene.camera, uv, scale, NEAREST_M, kernel),
         JointLimits(Limits.of(skeleton.body).widened(keyed), LIMIT_RAD),
-        PosePrior(*start, _keep_precision(scene), Huber()),
+        PosePrior(
+            base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1], _keep_precision(scene), Huber()
+        ),
     )
     smoothness = Smoothness(skeleton, second_differences(skeleton, base), smooth, Huber())
     return MotionProblem(skeleton, terms, (smoothness,))
