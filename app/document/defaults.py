@@ -33,7 +33,9 @@ from keypose.tracker.session.settings import (
 )
 
 LARGEST_BYTES: Final = 64 * 1024
+"""Of the file of defaults."""
 FIRST_PORT: Final = 8090
+"""The port that is tried first."""
 
 
 def _expanded(path: Path) -> Path:

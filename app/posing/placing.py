@@ -130,6 +130,8 @@ _NEAREST_M = 0.1
 _FARTHEST_M = 1000.0
 _ROUNDS = 30
 _EXACT_M = 1e-9
+"""The nearest distance, and how much farther away a body may be; it is looked for in so many rounds
+at most, until it changes by less."""
 
 
 def opening_pose(body: Body, camera: Camera, up_camera: ArrayLike = CAMERA_UP) -> Pose:

@@ -41,12 +41,14 @@ FARTHER_SIGMA_M = 0.03
 """How readily a part of the trunk turns, and the body is carried across the view and along it."""
 DRAGGED_SIGMA_M = 0.001
 KEPT_SIGMA_M = 0.01
+"""How exactly the dragged point follows the pointer, and points that are held stay."""
 LIMIT_SIGMA_RAD = np.radians(2.0)
 LIMIT_ONSET_RAD = np.radians(2.0)
 """Of `JointLimits`: a limit that holds at once, or not at all, lets the trunk jump where it is just
 met on the way."""
 
 NEAREST_M = 0.05
+"""Depth of a point that can be seen."""
 YIELD_M = 0.12
 """How far a joint can be dragged before the whole body goes along."""
 CRITERIA = Criteria(

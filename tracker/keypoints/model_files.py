@@ -26,6 +26,7 @@ LARGEST_BYTES: Final = 256 * 2**20
 """RTMW-x, the largest network of joints in use, has some 230 MB."""
 
 LARGEST_NOTE_BYTES: Final = 2**16
+"""Of the note beside a network that says how it is read."""
 
 JointKind: TypeAlias = Literal["movenet", "simcc", "maps", "rtmo"]
 _Pixels: TypeAlias = Annotated[int, Field(ge=32, le=2048)]

@@ -46,9 +46,12 @@ _SIZE = 1
 _FLOAT32: Final = 1
 _VARINT = 0
 _BYTES = 2
+"""Numbers of the fields of onnx.proto3 by the message they stand in, the number of its type for
+32-bit floats, and the wire types of Protocol Buffers that matter here."""
 _FIXED: Final = {1: 8, 5: 4}
 """Bytes of a field, by its wire type."""
 _LONGEST_VARINT: Final = 10
+"""Bytes of a whole number in seven bits each."""
 _FEW_BYTES: Final = 1024
 """Of constants whose values are read: scales, not weights."""
 

@@ -18,7 +18,9 @@ MARGIN: Final = 1.25
 """Side of the square over the diameter of the circle around the body, as it was trained."""
 
 SMALLEST_BOX_PX: Final = 2.0
+"""Side of a box around somebody, pixels."""
 LEAST_DEPTH_M: Final = 0.05
+"""Depth of a joint that can be seen."""
 _HIPS = ("left_thigh", "right_thigh")
 _SHOULDERS = ("left_upper_arm", "right_upper_arm")
 

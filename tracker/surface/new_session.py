@@ -49,6 +49,7 @@ def guess_up(mesh: SurfaceMesh) -> UpAxis:
 
 WIDTH = 960
 HEIGHT = 720
+"""Pixels of the camera that looks at surfaces that no camera took."""
 FIELD_OF_VIEW = math.radians(35.0)
 FILLED_HEIGHT = 0.70
 FILLED_WIDTH = 0.85
@@ -58,9 +59,13 @@ LEAST_HEIGHT = 0.35
 LOOKED_AT = 5
 """Steps that are read to see how far the surfaces move."""
 MOST_UNUSABLE = 50
+"""Steps that are tried until one has a surface that can be used."""
 PERSON_M = 1.7
+"""Height of a person, by which the unit of the meshes is guessed."""
 NEAREST_M = 0.3
+"""Depth of the nearest surface for that camera."""
 FPS = 25.0
+"""Steps a second where nobody says how many."""
 
 Box: TypeAlias = tuple[Array, Array]
 """Its least and its greatest corner (3,)."""

@@ -18,8 +18,11 @@ from keypose.tracker.files import read_own
 from keypose.tracker.storage.atomic import make_folder, write_file
 
 MOST = 200
+"""Poses that are kept at most."""
 LARGEST_BYTES = 8 * 2**20
+"""Of the file of kept poses: all of them with their pictures."""
 MOST_STROKES = 1000
+"""Lines of a pose's picture."""
 
 
 class KeptPose(BaseModel):

@@ -16,7 +16,9 @@ from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import video_path
 
 MOST = 40
+"""Sessions that the start screen lists."""
 LARGEST_BYTES = 4 * 2**20
+"""Of the file of recent sessions."""
 
 State: TypeAlias = Literal["good", "check", "lost", "outdated", "tracking", "waiting", "none"]
 Span: TypeAlias = tuple[int, int, State]

@@ -100,6 +100,7 @@ STEP = "rename"
 TRASH = ".trash"
 _ORIGIN = "origin.json"
 _LARGEST_BYTES = 1 << 20
+"""Of what the trash knows of where a session came from."""
 _ID = re.compile(r"[0-9a-f]{16}")
 _NAMED = re.compile(rb"(?:tracks|first|keypoints)-[0-9a-f]{12}\.npz")
 """Files that a session names."""

@@ -24,7 +24,9 @@ from keypose.tracker.video.picture import Picture
 
 WIDTH = 192
 HEIGHT = 112
+"""Pixels."""
 QUALITY = 82
+"""Of a JPEG, from 0 to 100."""
 ROOM = 1.2
 """The picture's height over the body's, where the video is large enough."""
 
@@ -82,6 +84,7 @@ def _body(session: Session, frame: int) -> tuple[NDArray[np.float64], float]:
 MOST = 500
 """Pictures; beyond so many the oldest are removed, and made anew when they are asked for."""
 _LARGEST_BYTES = 4 * 2**20
+"""Of a picture that is kept."""
 
 
 class ThumbCache:

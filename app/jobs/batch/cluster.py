@@ -20,8 +20,11 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 CONNECT_S = 5.0
+"""Seconds until a scheduler that does not answer is given up."""
 LOOK_FOR_WORKERS_S = 2.0
+"""Seconds between counts of the workers."""
 LONGEST_REASON = 200
+"""Characters of a reason that somebody else gives."""
 
 
 def do_remotely(task: Task) -> Summary:

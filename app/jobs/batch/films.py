@@ -22,6 +22,7 @@ TABLES: Final = (".csv", ".tsv")
 """Endings of tables of films."""
 LARGEST_TABLE_BYTES: Final = 4 * 2**20
 MOST_FILMS: Final = 10_000
+"""Of a table of films: its bytes and rows."""
 FILM: Final = "film"
 """The column of the films."""
 NAME: Final = "name"

@@ -23,6 +23,7 @@ from keypose.tracker.storage.atomic import make_folder
 FOLDER = ".keypose-batch"
 NAME = "journal.jsonl"
 LARGEST_BYTES = 64 * 2**20
+"""Of a journal that is read."""
 
 
 class Journal:

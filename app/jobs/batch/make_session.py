@@ -65,6 +65,7 @@ RECORD: Final = "person.json"
 PICTURE: Final = "person.jpg"
 """Beside the session, the frame of the box with the box."""
 LARGEST_RECORD_BYTES: Final = 2**16
+"""Of the record of who was found."""
 PICTURE_PX: Final = 360
 BOX_RGB: Final = (64, 200, 120)
 SendStep: TypeAlias = Callable[[Step], None]

@@ -35,9 +35,11 @@ MOST_CHARTS = 12
 MOST_PICTURES = 3
 """Of one session; its own report shows all."""
 LARGEST_PICTURE_BYTES = 2**22
+"""Of a picture that a session's own folder holds."""
 APART = "margin-top: 16px"
 MARK = f"<title>{TITLE}</title>".encode()
 MARK_WITHIN = 4096
+"""Bytes from the beginning in which a page says that it is such a report."""
 
 STATES: Mapping[str, tuple[str, str]] = {
     "tracked": ("good", "Tracked"),

@@ -107,6 +107,7 @@ class Lenses:
 
 LARGEST_BYTES = 4 * 2**20
 MOST_CAMERAS = 200
+"""Of a file of cameras: its bytes and how many it holds."""
 
 Length: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e9, le=1e9)]
 Triple: TypeAlias = tuple[Length, Length, Length]

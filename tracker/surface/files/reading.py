@@ -30,6 +30,7 @@ MEMORY_BYTES: Final = 2 * 2**30
 SECONDS: Final = 30
 """For one file, of a processor as well as of the clock."""
 _LONGEST_REFUSAL: Final = 500
+"""Characters of a reason that the reading process gives."""
 
 
 class MeshReader:

@@ -24,6 +24,7 @@ from keypose.tracker.surface.mesh import SurfaceMesh
 from keypose.tracker.video.folder import natural
 
 _FEWEST_FOR_A_RHYTHM: Final = 4
+"""Files whose numbers tell how many steps lie between them."""
 _MOST_GAPS: Final = 20
 """Steps to every file; where numbers lie farther apart they are no numbers of steps."""
 

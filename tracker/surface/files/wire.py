@@ -18,6 +18,7 @@ from keypose.tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES
 
 _TYPES: Final[dict[str, np.dtype[Any]]] = {"float": np.dtype("<f8"), "index": np.dtype("<i4")}
 _LONGEST_HEADER: Final = 64 * 1024
+"""Bytes of what describes a mesh between our processes."""
 _MOST_NUMBERS: Final = 3 * max(MOST_FACES, MOST_VERTICES)
 
 

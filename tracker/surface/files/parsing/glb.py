@@ -17,7 +17,9 @@ from keypose.tracker.surface.files.parsing.raw import MeshRefused, RawMesh, requ
 from keypose.tracker.surface.files.parsing.tidying import require_range
 
 _JSON: Final = 0x4E4F534A
+"""The type of the chunk that describes the others, "JSON" as a little-endian number."""
 _FAN: Final = 6
+"""The mode of triangles that share their first vertex."""
 _COMPRESSED: Final = {
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",

@@ -24,6 +24,7 @@ from keypose.tracker.surface.files.parsing.raw import (
 _VERTEX_OR_FACE = re.compile(rb"^[ \t]*([vf][ \t][^\n]*)", re.MULTILINE)
 _BEGINNING = 64 * 1024
 _PIECE = 16 * 2**20
+"""Bytes in which a zero says that this is no text, and those read at a time."""
 
 
 def read_obj(file: BinaryIO) -> RawMesh:

@@ -55,6 +55,7 @@ _TYPES: Final = {
 }
 _LONGEST_HEADER: Final = 64 * 1024
 _MOST_OTHER_ROWS: Final = 4_000_000
+"""Of a file that is read: bytes of its header, and rows of what is neither vertex nor face."""
 
 
 @dataclass(frozen=True)

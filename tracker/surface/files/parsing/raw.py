@@ -16,6 +16,7 @@ from keypose.tracker.geometry.rotations import Array
 
 MOST_FACES: Final = 2_000_000
 MOST_VERTICES: Final = 1_000_000
+"""Of a mesh that is read."""
 
 
 class MeshRefused(Exception):
