@@ -18,13 +18,15 @@ from scipy.sparse.linalg import spsolve
 
 from keypose.tracker.camera_motion.turn import Turn
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.solver.robust import GemanMcClure
 
 STEPS = 8
 SETTLED = 1e-9
-FAR_SIGMAS = 4.0
+RETURNS = GemanMcClure(4.0)
+"""Of edges to older anchors, standard deviations."""
 USUAL_DRIFT = np.radians(0.02)
-"""An edge to an older anchor has a quarter of its weight where it is off by so many standard
-deviations of its own, of the way along the anchors, and of this drift."""
+"""By which an edge to an older anchor may be off besides its own standard deviation and that of the
+way along the anchors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +65,8 @@ def agreed(turns: Sequence[Turn], edges: Sequence[Edge]) -> list[Turn]:
         miss = np.empty((len(edges), 4))
         miss[:, :3] = log_rotation(between @ transpose(measured))
         miss[:, 3] = zoom[b] - zoom[a] - ratio
-        squares = (miss**2).mean(axis=1) / variance / FAR_SIGMAS**2
-        weight = np.where(returns, 1 / (1 + squares) ** 2, 1.0)
+        sigmas = np.sqrt((miss**2).mean(axis=1) / variance)
+        weight = np.where(returns, RETURNS.weight(sigmas), 1.0)
         step = _step(a, b, between, miss, information * weight[:, None, None], len(turns))
         R, zoom = exp_rotation(step[:, :3]) @ R, zoom + step[:, 3]
         if np.abs(step).max() < SETTLED:

@@ -13,6 +13,7 @@ import numpy as np
 from keypose.tracker.camera_motion.metric import PathScale
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.robust import GemanMcClure
 
 ALONG_SHARE = 0.05
 """How much acceleration along the view counts, which is tracked less surely."""
@@ -40,7 +41,7 @@ def scale_from_smoothness(path: CameraPath, first_frame: int, p_camera: Array) -
         s = -float((weights[:, None] * a * b).sum()) / power
         left = np.linalg.norm(a + s * b, axis=1)
         spread = max(float(np.median(left)), 1e-12)
-        weights = 1 / (1 + (left / (KERNEL * spread)) ** 2) ** 2
+        weights = GemanMcClure(KERNEL * spread).weight(left)
     sd = spread * np.sqrt(ALIKE / power)
     if not s > 0 or sd > LEAST_SURE * s:
         return None

@@ -19,11 +19,14 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import splu
 
 from keypose.tracker.geometry.rotations import Array, exp_rotation, transpose
+from keypose.tracker.solver.robust import Cauchy
 
 Indices = NDArray[np.int64]
 
-KERNEL = 2.0
-"""Standard deviations at which Cauchy's kernel bends."""
+KERNEL = Cauchy(2.0)
+"""Of where points are seen, standard deviations."""
+FARTHEST = 1e3
+"""Standard deviations that the cost tells apart: so is that of a point behind a camera finite."""
 LEAST_DEPTH = 1e-3
 """Of a point before the camera, in depths of its home."""
 DENSE = 24
@@ -64,14 +67,14 @@ class Bundle:
 def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
     """The bundle after steps of Levenberg and Marquardt, and the standard deviations of its depths
     (P,), the cameras taken as known."""
-    damping, cost = 1e-4, _cost(bundle, _misses(bundle)[1])
+    damping, cost = 1e-4, cost_of(bundle)
     equations = _Equations.of(bundle)
     for _ in range(steps):
         equations.build(bundle)
         better = bundle
         for _ in range(4):
             better = equations.stepped(bundle, damping)
-            new = _cost(better, _misses(better)[1])
+            new = cost_of(better)
             if new < cost:
                 break
             damping *= 10
@@ -86,12 +89,14 @@ def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
 
 def away(bundle: Bundle) -> Array:
     """Distances (N,) of what is seen from where it should be, standard deviations; inf behind."""
-    return np.sqrt(_misses(bundle)[1])
+    return _misses(bundle)[1]
 
 
 def cost_of(bundle: Bundle) -> float:
     """What is minimised."""
-    return _cost(bundle, _misses(bundle)[1])
+    away_cost = KERNEL.loss(np.minimum(away(bundle), FARTHEST))
+    prior = ((bundle.depths - bundle.mean) / bundle.spread) ** 2
+    return float(away_cost.sum() + prior.sum())
 
 
 def relative(bundle: Bundle) -> Array:
@@ -105,18 +110,12 @@ def relative(bundle: Bundle) -> Array:
 
 
 def _misses(bundle: Bundle) -> tuple[Array, Array]:
-    """Residuals (N, 2) and their squares (N,), in standard deviations; inf behind."""
+    """Residuals (N, 2) and their lengths (N,), in standard deviations; inf behind."""
     Y = relative(bundle)
     ahead = Y[:, 2] > LEAST_DEPTH
     z = np.where(ahead, Y[:, 2], 1.0)
     miss = (Y[:, :2] / z[:, None] - bundle.xy) / bundle.noise
-    return miss, np.where(ahead, (miss**2).sum(axis=1), np.inf)
-
-
-def _cost(bundle: Bundle, squares: Array) -> float:
-    seen = KERNEL**2 * np.log1p(np.minimum(squares, 1e6) / KERNEL**2)
-    prior = ((bundle.depths - bundle.mean) / bundle.spread) ** 2
-    return float(seen.sum() + prior.sum())
+    return miss, np.where(ahead, np.linalg.norm(miss, axis=1), np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,11 +244,11 @@ def _slopes(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
     """Slopes (N, 2, 12) of the residuals by picture and home, (N, 2) by depth, the residuals
     (N, 2) and the weights (N,).
     """
-    Y, (miss, squares) = relative(bundle), _misses(bundle)
+    Y, (miss, length) = relative(bundle), _misses(bundle)
     i, j = bundle.view, bundle.point
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
     home, depth = bundle.home[j], bundle.depths[j]
-    weight = 1 / (1 + squares / KERNEL**2)
+    weight = KERNEL.weight(length)
     P = projection_slopes(Y) / bundle.noise
     PR = P @ R[i] @ transpose(R[home])
     # of the camera frame's motion v, w: δY = depth v + w × Y; of the home's: the same, turned back

@@ -17,6 +17,7 @@ import numpy as np
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.turn import Solved, Turn, solve_turn
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.robust import GemanMcClure
 
 MOST_PAIRS = 24
 LEAST_AWAY = 0.04
@@ -86,8 +87,8 @@ def focal_scale(lens: Lens, look: float, pairs: Sequence[Pair]) -> FocalScale | 
 
 def _costs(lens: Lens, look: float, pair: Pair, logs: Array) -> Array:
     """The costs of focal lengths' logarithms, all of one scale, so that they are smooth."""
-    squares = np.stack([_left(lens, look, pair, log) for log in logs]) ** 2 / NOISE_PX**2
-    return np.asarray((squares / (1 + squares)).sum(axis=1))
+    left = np.stack([_left(lens, look, pair, log) for log in logs])
+    return np.asarray((GemanMcClure(NOISE_PX).loss(left) / NOISE_PX**2).sum(axis=1))
 
 
 def _noise(lens: Lens, look: float, pair: Pair, log: float) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.robust import GemanMcClure
 
 ACROSS_M = 0.01
 ALONG_M = 0.05
@@ -63,8 +64,7 @@ def scale_from_stances(path: CameraPath, standing: Sequence[StandingPoint]) -> P
         s = -slope / power
         away = [stance.away(s, w) for stance, w in zip(stances, weights, strict=True)]
         spread = max(float(np.median(np.concatenate(away))), 1e-12)
-        # Geman and McClure's: what is far from what most say ends without weight
-        weights = [1 / (1 + (a / (KERNEL * spread)) ** 2) ** 2 for a in away]
+        weights = [GemanMcClure(KERNEL * spread).weight(a) for a in away]
     sd = _sd(stances, weights, s, power)
     if not s > 0.0 or sd > LEAST_SURE * s:
         return None

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.robust import GemanMcClure
 
 Grey: TypeAlias = NDArray[np.uint8]
 Mask: TypeAlias = NDArray[np.bool_]
@@ -376,7 +377,7 @@ def _line(x: Array, y: Array) -> tuple[float, float]:
     for _ in range(4):
         away = y - gain * x - offset
         spread = max(1.5, 1.5 * float(np.median(np.abs(away))))
-        w = 1 / (1 + (away / spread) ** 2) ** 2
+        w = GemanMcClure(spread).weight(np.abs(away))
         mean_x, mean_y = (w @ x) / w.sum(), (w @ y) / w.sum()
         power = w @ (x - mean_x) ** 2
         if power < 1e-9:

@@ -65,8 +65,8 @@ def resected(
     """
     T, held = start, np.diag([1 / step_sd**2] * 3 + [1e-6] * 3)
     for scale in scales:
-        J, miss, squares = _whitened(T, seen_points, scale * noise)
-        wJ = J / (1 + squares / KERNEL**2)
+        J, miss, length = _whitened(T, seen_points, scale * noise)
+        wJ = J * KERNEL.weight(length)
         gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]
         H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
         g = wJ.reshape(6, -1) @ miss.ravel()
@@ -75,9 +75,9 @@ def resected(
         T = _nudged(T, step)
         if scale == 1.0 and np.abs(step).max() < DONE:
             break
-    squares = _whitened(T, seen_points, noise)[2]
-    agree = squares < INLIER**2
-    return Resected(T, agree, float(np.sqrt(np.median(squares[agree]))) if agree.any() else np.nan)
+    length = _whitened(T, seen_points, noise)[2]
+    agree = length < INLIER
+    return Resected(T, agree, float(np.median(length[agree])) if agree.any() else np.nan)
 
 
 def _nudged(T: Array, step: Array) -> Array:
@@ -94,7 +94,7 @@ def _nudged(T: Array, step: Array) -> Array:
 
 
 def _whitened(T: Array, seen_points: SeenPoints, noise: float) -> tuple[Array, Array, Array]:
-    """Slopes (6, 2, K), residuals (2, K) and their squares (K,), in standard deviations."""
+    """Slopes (6, 2, K), residuals (2, K) and their lengths (K,), in standard deviations."""
     R, t, depth = T[:3, :3], T[:3, 3:], seen_points.depths
     Y = R @ seen_points.world.T + depth * t
     ahead = Y[2] > LEAST_DEPTH
@@ -113,4 +113,4 @@ def _whitened(T: Array, seen_points: SeenPoints, noise: float) -> tuple[Array, A
     J = J.reshape(6, 2, -1)
     J = (J - (J * unit).sum(axis=1, keepdims=True) * (kept * unit)) * (ahead / noise)
     miss = (miss - (miss * unit).sum(axis=0) * (kept * unit)) * (ahead / noise)
-    return J, miss, np.where(ahead, (miss**2).sum(axis=0), np.inf)
+    return J, miss, np.where(ahead, np.linalg.norm(miss, axis=0), np.inf)

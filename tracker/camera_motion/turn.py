@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.robust import Cauchy, GemanMcClure
 
 FEWEST = 6
 """Points that four unknowns are found from."""
@@ -28,9 +29,10 @@ STEPS_AT_END = 3
 INLIER_PX = 1.0
 """A point agrees where its residual is below this, or below so many times the inliers' spread."""
 INLIER_SPREADS = 3.0
-START_PX = 4.0
+START = Cauchy(4.0)
+"""By which points bear out a start, pixels."""
 START_SHARE = 0.5
-"""A start is good where this share of points lies within so many pixels, or pairs are asked."""
+"""A start is good where points bear it out to this share, or pairs are asked."""
 GOOD_SHARE = 0.8
 """And so good here that no other is tried."""
 PAIRS = 60
@@ -143,7 +145,7 @@ def solve_turn(
     for scale in (*scales_px, *[0.0] * STEPS_AT_END):
         residual, J = linearised(turn, directions, seen, focal_px)
         error = np.linalg.norm(residual, axis=1)
-        weight = trust * _weights(error, scale or _spread(error, trust))
+        weight = trust * GemanMcClure(scale or _spread(error, trust)).weight(error)
         step = _step(residual, J, weight)
         if step is None:
             return None
@@ -156,7 +158,7 @@ def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array)
     error = np.linalg.norm(residual, axis=1)
     spread = _spread(error, trust)
     agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
-    weight = trust * _weights(error, spread) * agrees
+    weight = trust * GemanMcClure(spread).weight(error) * agrees
     squares = (weight * (error**2)).sum() / max(weight.sum(), 1e-9) / 2
     noise = max(float(np.sqrt(squares)), LEAST_NOISE_PX)
     every = np.concatenate([J, sheared], axis=2).reshape(2 * len(J), -1)
@@ -203,8 +205,8 @@ def _shifted(turn: Turn, directions: Array, seen: Array, trust: Array) -> Turn:
 
 def _score(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> float:
     """The share of trust that lies where this turn shows it."""
-    squares = ((turn.flat(directions) - seen) ** 2).sum(axis=1) * focal_px**2
-    held = np.nan_to_num(1.0 / (1.0 + squares / START_PX**2), nan=0.0)
+    away_px = np.linalg.norm(turn.flat(directions) - seen, axis=1) * focal_px
+    held = np.nan_to_num(START.weight(away_px), nan=0.0)
     return float((trust * held).sum() / max(trust.sum(), 1e-9))
 
 
@@ -241,10 +243,6 @@ def linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> t
     if not ahead.all():
         J[~ahead], residual[~ahead] = 0.0, 1e3
     return residual, J
-
-
-def _weights(error: Array, scale: float) -> Array:
-    return np.asarray(1.0 / (1.0 + (error / scale) ** 2) ** 2)
 
 
 def _spread(error: Array, trust: Array) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.bundle import Bundle, adjusted, away
 from keypose.tracker.geometry.rotations import Array, nearest_rotation, transform
+from keypose.tracker.solver.robust import Cauchy
 
 FEWEST = 20
 """Points that a motion is believed from."""
@@ -44,7 +45,7 @@ def parallax(one: Array, other: Array, noise: float) -> float:
     R, weight = nearest_rotation(b.T @ a), np.ones(len(a))
     for _ in range(TURN_STEPS):
         left = np.linalg.norm(b - a @ R.T, axis=1) / noise
-        weight = 1 / (1 + (left / max(float(np.median(left)), 1.0)) ** 2)
+        weight = Cauchy(max(float(np.median(left)), 1.0)).weight(left)
         R = nearest_rotation((b * weight[:, None]).T @ a)
     return float(np.median(np.linalg.norm(b - a @ R.T, axis=1)) / noise)
 

@@ -68,6 +68,20 @@ class Cauchy:
 
 
 @dataclass(frozen=True)
+class GemanMcClure:
+    """Far residuals end without weight: for a minority that is wrong altogether. The narrower it
+    becomes from step to step, the fewer residuals count (graduated non-convexity)."""
+
+    width: float
+
+    def loss(self, away: Array) -> Array:
+        return np.asarray(away**2 / (1 + (away / self.width) ** 2))
+
+    def weight(self, away: Array) -> Array:
+        return np.asarray(1 / (1 + (away / self.width) ** 2) ** 2)
+
+
+@dataclass(frozen=True)
 class Tukey:
     """Residuals beyond a width do not count: for a state that is nearly right."""
 
