@@ -9,7 +9,7 @@ anchor that contradicts all others loses its weight.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,11 @@ from scipy.sparse.linalg import spsolve
 
 from keypose.tracker.camera_motion.turn import Turn
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
+from keypose.tracker.solver.gauss_newton import GAUSS_NEWTON, gauss_newton
 from keypose.tracker.solver.robust import GemanMcClure
 
-STEPS = 8
-SETTLED = 1e-9
+CRITERIA = replace(GAUSS_NEWTON, most_steps=8, settled=1e-9)
+"""Of the solve, whose start is as near as the anchors have drifted."""
 RETURNS = GemanMcClure(4.0)
 """Of edges to older anchors, standard deviations."""
 USUAL_DRIFT = np.radians(0.02)
@@ -51,27 +52,74 @@ def agreed(turns: Sequence[Turn], edges: Sequence[Edge]) -> list[Turn]:
     """
     if len(turns) < 2:
         return list(turns)
-    R = np.stack([turn.R for turn in turns])
-    zoom = np.log([turn.zoom for turn in turns])
-    a = np.array([edge.one for edge in edges])
-    b = np.array([edge.other for edge in edges])
-    measured = np.stack([edge.turn.R for edge in edges])
-    ratio = np.log([edge.turn.zoom for edge in edges])
-    information = np.stack([edge.information for edge in edges])
-    returns = np.array([edge.returns for edge in edges])
-    variance = _variance(edges, len(turns))
-    for _ in range(STEPS):
-        between = R[b] @ transpose(R[a])
-        miss = np.empty((len(edges), 4))
-        miss[:, :3] = log_rotation(between @ transpose(measured))
-        miss[:, 3] = zoom[b] - zoom[a] - ratio
-        sigmas = np.sqrt((miss**2).mean(axis=1) / variance)
-        weight = np.where(returns, RETURNS.weight(sigmas), 1.0)
-        step = _step(a, b, between, miss, information * weight[:, None, None], len(turns))
-        R, zoom = exp_rotation(step[:, :3]) @ R, zoom + step[:, 3]
-        if np.abs(step).max() < SETTLED:
-            break
-    return [Turn(r, float(z)) for r, z in zip(R, np.exp(zoom), strict=True)]
+    start = _Turns(np.stack([turn.R for turn in turns]), np.log([turn.zoom for turn in turns]))
+    step = _Agreement.of(edges, len(turns)).step
+    end = gauss_newton(step, _Turns.moved, start, CRITERIA).state
+    zooms = np.exp(end.log_zoom)
+    return [Turn(R, float(zoom)) for R, zoom in zip(end.R, zooms, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Turns:
+    """Of all anchors, from the world: R (A, 3, 3) and log_zoom (A,)."""
+
+    R: Array
+    log_zoom: Array
+
+    def moved(self, step: Array) -> _Turns:
+        """All turned on by step[:, :3], radians, and zoomed by exp(step[:, 3])."""
+        return _Turns(exp_rotation(step[:, :3]) @ self.R, self.log_zoom + step[:, 3])
+
+
+@dataclass(frozen=True, eq=False)
+class _Agreement:
+    """Edges (E,) from anchors a to b: what was measured, R (E, 3, 3) and log_zoom (E,), its
+    information (E, 4, 4), and by how much an edge may differ, variance (E,)."""
+
+    a: NDArray[np.int64]
+    b: NDArray[np.int64]
+    R: Array
+    log_zoom: Array
+    information: Array
+    returns: NDArray[np.bool_]
+    variance: Array
+
+    @classmethod
+    def of(cls, edges: Sequence[Edge], count: int) -> _Agreement:
+        return cls(
+            a=np.array([edge.one for edge in edges]),
+            b=np.array([edge.other for edge in edges]),
+            R=np.stack([edge.turn.R for edge in edges]),
+            log_zoom=np.log([edge.turn.zoom for edge in edges]),
+            information=np.stack([edge.information for edge in edges]),
+            returns=np.array([edge.returns for edge in edges]),
+            variance=_variance(edges, count),
+        )
+
+    def step(self, turns: _Turns, count: int) -> Array:  # noqa: ARG002
+        """The step (A, 4), nothing for the first anchor; edges weighed by how far they are off."""
+        a, b, anchors = self.a, self.b, len(turns.R)
+        between = turns.R[b] @ transpose(turns.R[a])
+        miss = np.empty((len(a), 4))
+        miss[:, :3] = log_rotation(between @ transpose(self.R))
+        miss[:, 3] = turns.log_zoom[b] - turns.log_zoom[a] - self.log_zoom
+        sigmas = np.sqrt((miss**2).mean(axis=1) / self.variance)
+        weight = np.where(self.returns, RETURNS.weight(sigmas), 1.0)
+        information = self.information * weight[:, None, None]
+        to_a = np.zeros((len(a), 4, 4))
+        to_a[:, :3, :3], to_a[:, 3, 3] = -between, -1.0
+        Ia = transpose(to_a) @ information
+        entries = [(a, a, Ia @ to_a), (a, b, Ia), (b, a, transpose(Ia)), (b, b, information)]
+        row = np.concatenate([(4 * i[:, None, None] + _ROW).ravel() for i, _, _ in entries])
+        column = np.concatenate([(4 * j[:, None, None] + _COLUMN).ravel() for _, j, _ in entries])
+        value = np.concatenate([m.ravel() for _, _, m in entries])
+        H = coo_matrix((value, (row, column)), shape=(4 * anchors, 4 * anchors)).tocsc()[4:, 4:]
+        g = np.zeros((anchors, 4))
+        np.add.at(g, a, np.einsum("eab,eb->ea", Ia, miss))
+        np.add.at(g, b, np.einsum("eab,eb->ea", information, miss))
+        step = np.zeros((anchors, 4))
+        step[1:] = -np.reshape(spsolve(H, g[1:].ravel()), (-1, 4))
+        return step
 
 
 def _variance(edges: Sequence[Edge], count: int) -> Array:
@@ -86,31 +134,6 @@ def _variance(edges: Sequence[Edge], count: int) -> Array:
     along = np.cumsum(steps)
     between = [abs(along[edge.other] - along[edge.one]) for edge in edges]
     return np.asarray(own + between + USUAL_DRIFT**2)
-
-
-def _step(
-    a: NDArray[np.int64],
-    b: NDArray[np.int64],
-    between: Array,
-    miss: Array,
-    information: Array,
-    count: int,
-) -> Array:
-    """The step (count, 4) of one Gauss–Newton iteration, nothing for the first anchor."""
-    to_one = np.zeros((len(a), 4, 4))
-    to_one[:, :3, :3], to_one[:, 3, 3] = -between, -1.0
-    Ia = transpose(to_one) @ information
-    entries = [(a, a, Ia @ to_one), (a, b, Ia), (b, a, transpose(Ia)), (b, b, information)]
-    row = np.concatenate([(4 * i[:, None, None] + _ROW).ravel() for i, _, _ in entries])
-    column = np.concatenate([(4 * j[:, None, None] + _COLUMN).ravel() for _, j, _ in entries])
-    value = np.concatenate([m.ravel() for _, _, m in entries])
-    H = coo_matrix((value, (row, column)), shape=(4 * count, 4 * count)).tocsc()[4:, 4:]
-    g = np.zeros((count, 4))
-    np.add.at(g, a, np.einsum("eab,eb->ea", Ia, miss))
-    np.add.at(g, b, np.einsum("eab,eb->ea", information, miss))
-    step = np.zeros((count, 4))
-    step[1:] = -np.reshape(spsolve(H, g[1:].ravel()), (-1, 4))
-    return step
 
 
 _ROW, _COLUMN = (grid[None] for grid in np.meshgrid(np.arange(4), np.arange(4), indexing="ij"))

@@ -11,6 +11,7 @@ Places in pictures are x/z and y/z. Lengths have one unit, whichever it is.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import splu
 
 from keypose.tracker.geometry.rotations import Array, exp_rotation, transpose
+from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from keypose.tracker.solver.robust import Cauchy
 
 Indices = NDArray[np.int64]
@@ -33,8 +35,8 @@ DENSE = 24
 """With more pictures that may move, the equations are kept sparse."""
 MOST_AT_ONCE = 20_000
 """Places whose slopes are held at a time."""
-LEAST_GAIN = 1e-4
-"""Of the cost, below which a solve ends."""
+ADJUSTING = Criteria(most_tries=4, gain=1e-4, damping=Damping(first=1e-4, easier=5.0))
+"""Of an adjustment, from near by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,24 +69,9 @@ class Bundle:
 def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
     """The bundle after steps of Levenberg and Marquardt, and the standard deviations of its depths
     (P,), the cameras taken as known."""
-    damping, cost = 1e-4, cost_of(bundle)
-    equations = _Equations.of(bundle)
-    for _ in range(steps):
-        equations.build(bundle)
-        better = bundle
-        for _ in range(4):
-            better = equations.stepped(bundle, damping)
-            new = cost_of(better)
-            if new < cost:
-                break
-            damping *= 10
-        else:
-            break
-        gain, bundle, cost, damping = cost - new, better, new, damping / 5
-        if gain < LEAST_GAIN * cost:
-            break
-    equations.build(bundle)
-    return bundle, 1 / np.sqrt(equations.H_depth)
+    criteria = replace(ADJUSTING, most_steps=steps)
+    solution = least_squares(_Adjustment(_Layout.of(bundle)), bundle, criteria)
+    return solution.state, 1 / np.sqrt(solution.here.equations.H_depth)
 
 
 def away(bundle: Bundle) -> Array:
@@ -93,10 +80,10 @@ def away(bundle: Bundle) -> Array:
 
 
 def cost_of(bundle: Bundle) -> float:
-    """What is minimised."""
+    """What is minimised: half the sum of squares, those of places robust."""
     away_cost = KERNEL.loss(np.minimum(away(bundle), FARTHEST))
     prior = ((bundle.depths - bundle.mean) / bundle.spread) ** 2
-    return float(away_cost.sum() + prior.sum())
+    return 0.5 * float(away_cost.sum() + prior.sum())
 
 
 def relative(bundle: Bundle) -> Array:
@@ -119,7 +106,7 @@ def _misses(bundle: Bundle) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Some:
+class _Batch:
     """Some of the places, few enough to have their slopes in memory at a time.
 
     rows: sorted by the slots of picture and home.  pairs (R, 2): slots that occur together, and
@@ -131,21 +118,20 @@ class _Some:
     starts: Indices
 
 
-@dataclass(eq=False)
-class _Equations:
-    """Normal equations of a bundle: M pictures may move, and one more slot is for all others."""
+@dataclass(frozen=True, eq=False)
+class _Layout:
+    """Where in the equations a bundle's pictures stand: M of them may move, and one more slot is
+    for all others.
+
+    slot: (V,) of each picture.
+    """
 
     slot: Indices
     count: int
-    some: list[_Some]
-    H_depth: Array
-    g_depth: Array
-    H: Array | sparse.csr_array
-    g: Array
-    E: Array | sparse.csr_array
+    batches: tuple[_Batch, ...]
 
     @classmethod
-    def of(cls, bundle: Bundle) -> _Equations:
+    def of(cls, bundle: Bundle) -> _Layout:
         count = int(bundle.free.sum())
         slot = np.where(bundle.free, np.cumsum(bundle.free) - 1, count).astype(np.int64)
         key = slot[bundle.view] * (count + 1) + slot[bundle.home[bundle.point]]
@@ -153,47 +139,47 @@ class _Equations:
         batches = []
         for first in range(0, len(order), MOST_AT_ONCE):
             rows = order[first : first + MOST_AT_ONCE]
-            found, starts = np.unique(key[rows], return_index=True)
-            batches.append(_Some(rows, np.stack(np.divmod(found, count + 1), axis=1), starts))
-        none = np.zeros(0)
-        return cls(slot, count, batches, none, none, none, none, none)
+            keys, starts = np.unique(key[rows], return_index=True)
+            batches.append(_Batch(rows, np.stack(np.divmod(keys, count + 1), axis=1), starts))
+        return cls(slot, count, tuple(batches))
 
-    def build(self, bundle: Bundle) -> None:
-        """Take the equations at where the bundle is."""
-        self.H_depth = 1 / bundle.spread**2
-        self.g_depth = (bundle.depths - bundle.mean) / bundle.spread**2
+    def equations(self, bundle: Bundle) -> _Equations:
+        """The normal equations at where the bundle is."""
+        H_depth = 1 / bundle.spread**2
+        g_depth = (bundle.depths - bundle.mean) / bundle.spread**2
         sums, cross = [], []
-        for some in self.some:
-            part = bundle.only(some.rows)
+        for batch in self.batches:
+            part = bundle.only(batch.rows)
             J, depth, miss, weight = _slopes(part)
             wJ, count = weight[:, None, None] * J, len(bundle.home)
-            self.H_depth += np.bincount(part.point, weight * (depth**2).sum(axis=1), count)
-            self.g_depth += np.bincount(part.point, weight * (depth * miss).sum(axis=1), count)
+            H_depth += np.bincount(part.point, weight * (depth**2).sum(axis=1), count)
+            g_depth += np.bincount(part.point, weight * (depth * miss).sum(axis=1), count)
             blocks = np.concatenate([transpose(wJ) @ J, transpose(wJ) @ miss[..., None]], axis=2)
-            sums.append(np.add.reduceat(blocks, some.starts, axis=0))
+            sums.append(np.add.reduceat(blocks, batch.starts, axis=0))
             cross.append(self._cross(part, np.einsum("nka,nk->na", wJ, depth)))
-        pairs = np.concatenate([some.pairs for some in self.some])
-        self._gather(pairs, np.concatenate(sums))
-        rows, columns, values = (np.concatenate(one) for one in zip(*cross, strict=True))
-        self.E = self._matrix(rows, columns, values, len(bundle.home))
+        pairs = np.concatenate([batch.pairs for batch in self.batches])
+        H, g = self._gather(pairs, np.concatenate(sums))
+        rows, columns, values = (np.concatenate(parts) for parts in zip(*cross, strict=True))
+        E = self._matrix(rows, columns, values, len(bundle.home))
+        return _Equations(H, g, E, H_depth, g_depth)
 
-    def _gather(self, pairs: Indices, sums: Array) -> None:
-        """Sum the blocks (R, 12, 13) of all pairs into H (6M, 6M) and g (6M,)."""
+    def _gather(self, pairs: Indices, sums: Array) -> tuple[Array | sparse.csr_array, Array]:
+        """H (6M, 6M) and g (6M,) of the blocks (R, 12, 13) of all pairs."""
         m, (view, home) = self.count, pairs.T
         g = np.zeros((m + 1, 6))
         np.add.at(g, view, sums[:, :6, 12])
         np.add.at(g, home, sums[:, 6:, 12])
-        self.g = g[:m].ravel()
-        one, other = np.concatenate([view, home, view, home]), [view, home, home, view]
-        second = np.concatenate(other)
+        first = np.concatenate([view, home, view, home])
+        second = np.concatenate([view, home, home, view])
         blocks = np.concatenate(
             [sums[:, :6, :6], sums[:, 6:, 6:12], sums[:, :6, 6:12], sums[:, 6:, :6]]
         )
-        kept = (one < m) & (second < m)
+        kept = (first < m) & (second < m)
         steps = np.arange(6)
-        rows = np.broadcast_to(6 * one[kept, None, None] + steps[:, None], (kept.sum(), 6, 6))
+        rows = np.broadcast_to(6 * first[kept, None, None] + steps[:, None], (kept.sum(), 6, 6))
         columns = np.broadcast_to(6 * second[kept, None, None] + steps, (kept.sum(), 6, 6))
-        self.H = self._matrix(rows.ravel(), columns.ravel(), blocks[kept].ravel(), 6 * m)
+        H = self._matrix(rows.ravel(), columns.ravel(), blocks[kept].ravel(), 6 * m)
+        return H, g[:m].ravel()
 
     def _cross(self, part: Bundle, both: Array) -> tuple[Indices, Indices, Array]:
         """Rows, columns and values of E (P, 6M) from (N, 12), of the picture and of the home."""
@@ -214,8 +200,21 @@ class _Equations:
         flat = np.bincount(rows * width + columns, values, height * width)
         return np.asarray(flat, float).reshape(height, width)
 
-    def stepped(self, bundle: Bundle, damping: float) -> Bundle:
-        """The bundle, one step on."""
+
+@dataclass(frozen=True, eq=False)
+class _Equations:
+    """Normal equations: H (6M, 6M) and g (6M,) of the pictures that may move, H_depth and g_depth
+    (P,) of the points, E (P, 6M) between these.
+    """
+
+    H: Array | sparse.csr_array
+    g: Array
+    E: Array | sparse.csr_array
+    H_depth: Array
+    g_depth: Array
+
+    def step(self, damping: float) -> Array:
+        """The damped step (6M + P,): first the pictures, the depths eliminated, then these."""
         inverse = 1 / (self.H_depth * (1 + damping))
         g = self.g - self.E.T @ (inverse * self.g_depth)
         more = damping * self.H.diagonal() + 1e-9
@@ -225,10 +224,42 @@ class _Equations:
         else:
             S = self.H + sparse.diags_array(more) - self.E.T @ self.E.multiply(inverse[:, None])
             step = -splu(sparse.csc_matrix(S)).solve(g)
-        depths = bundle.depths - inverse * (self.g_depth + self.E @ step)
-        Ts = bundle.Ts.copy()
-        Ts[bundle.free] = nudged(Ts[bundle.free], step.reshape(-1, 6))
-        return replace(bundle, Ts=Ts, depths=depths)
+        return np.concatenate([step, -inverse * (self.g_depth + self.E @ step)])
+
+
+@dataclass(frozen=True, eq=False)
+class _Adjusted:
+    """What is known of a bundle on the way."""
+
+    bundle: Bundle
+    layout: _Layout
+
+    @cached_property
+    def cost(self) -> float:
+        return cost_of(self.bundle)
+
+    @cached_property
+    def equations(self) -> _Equations:
+        return self.layout.equations(self.bundle)
+
+    def step(self, damping: float) -> Array:
+        return self.equations.step(damping)
+
+
+@dataclass(frozen=True, eq=False)
+class _Adjustment(Problem[Bundle, _Adjusted]):
+    """All pictures that may move, and all depths."""
+
+    layout: _Layout
+
+    def at(self, state: Bundle, count: int) -> _Adjusted:
+        return _Adjusted(state, self.layout)
+
+    def moved(self, state: Bundle, step: Array) -> Bundle:
+        of_pictures, of_depths = np.split(step, [6 * self.layout.count])
+        Ts = state.Ts.copy()
+        Ts[state.free] = nudged(Ts[state.free], of_pictures.reshape(-1, 6))
+        return replace(state, Ts=Ts, depths=state.depths + of_depths)
 
 
 def nudged(Ts: Array, steps: Array) -> Array:

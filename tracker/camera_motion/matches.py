@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,12 +11,12 @@ from keypose.tracker.camera_motion.turn import Turn, linearised
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.gauss_newton import GAUSS_NEWTON, gauss_newton
 
-STEPS = 20
-SETTLED = 1e-10
+CRITERIA = replace(GAUSS_NEWTON, most_steps=20, settled=1e-10, longest_step=0.3)
+"""From any turn that two frames of one film can have between them, to the last digits."""
 FEWEST = 2
 FEWEST_APART_PX = 4.0
-MOST_STEP = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +44,23 @@ def rotation_from_matches(
         raise CameraError("Mark at least two points of the background in both frames.")
     if min(np.ptp(uv, axis=0).max() for uv in (one, other)) < FEWEST_APART_PX:
         raise CameraError("The marked points lie in one place: mark points that are farther apart.")
-    lens, turn = Lens.of(camera), Turn.none()
+    lens, unknowns = Lens.of(camera), 4 if zooms else 3
     directions = lens.directions(one, zoom)
-    for _ in range(STEPS):
+
+    def linearised_at(turn: Turn) -> tuple[Array, Array]:
         seen = lens.flat(other, zoom * turn.zoom) / zoom
-        residual, J = linearised(turn, directions, seen, lens.focal_px * zoom)
-        used = 4 if zooms else 3
-        step, *_ = np.linalg.lstsq(J[..., :used].reshape(-1, used), residual.ravel(), rcond=None)
-        if not np.isfinite(step).all():
-            break
-        step = np.pad(step, (0, 4 - used))
-        turn = turn.moved(step * min(1.0, MOST_STEP / max(np.abs(step).max(), 1e-12)))
-        if np.abs(step).max() < SETTLED:
-            error = np.linalg.norm(residual, axis=1)
-            return Matched(turn.R, zoom * turn.zoom, error)
-    raise CameraError("No turn of the camera explains these points: check that each is the same.")
+        return linearised(turn, directions, seen, lens.focal_px * zoom)
+
+    def step(turn: Turn, count: int) -> Array:  # noqa: ARG001
+        residual, J = linearised_at(turn)
+        solved, *_ = np.linalg.lstsq(J[..., :unknowns].reshape(-1, unknowns), residual.ravel())
+        return np.pad(solved, (0, 4 - unknowns))
+
+    solution = gauss_newton(step, Turn.moved, Turn.none(), CRITERIA)
+    if solution.end != "settled":
+        raise CameraError(
+            "No turn of the camera explains these points: check that each is the same."
+        )
+    turn = solution.state
+    error_px = np.linalg.norm(linearised_at(turn)[0], axis=1)
+    return Matched(turn.R, zoom * turn.zoom, error_px)

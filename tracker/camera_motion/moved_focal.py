@@ -44,8 +44,8 @@ def focal_of(map_: ViewMap) -> FocalScale | None:
         bend = costs[0] - 2 * costs[1] + costs[2]
         if bend <= 0.0:
             return None
-        # the cost is that of squares in standard deviations: it rises by 1 within one
-        sd = width * float(np.sqrt(2 / bend))
+        # the cost is half that of squares in standard deviations: it rises by ½ within one
+        sd = width * float(np.sqrt(1 / bend))
         log += float(np.clip(0.5 * width * (costs[0] - costs[2]) / bend, -2 * width, 2 * width))
         if abs(log) > FARTHEST:
             return None

@@ -8,13 +8,14 @@ turned, and stays where it is expected.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.bundle import KERNEL, LEAST_DEPTH
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.gauss_newton import GAUSS_NEWTON, gauss_newton
 
 SCALES = (6.0, 2.5, 1.0, 1.0, 1.0)
 """Of the noise from step to step: far off at first, what is right must not seem an outlier."""
@@ -22,6 +23,8 @@ INLIER = 3.0
 """Standard deviations."""
 DONE = 2e-5
 """Radians, and usual depths, of a step after which the camera is where it is."""
+LEAST_TURN_PRECISION = 1e-6
+"""Rad⁻²: keeps the equations solvable where no point tells a turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,26 +61,40 @@ def resected(
     step_sd: float,
     scales: tuple[float, ...] = SCALES,
 ) -> Resected:
-    """Gauss–Newton on robustly weighed residuals.
+    """The camera's place by Gauss–Newton on robustly weighed residuals, a step for each scale.
 
     start: (4, 4).  noise: standard deviation of a place.  step_sd: how far from the start's place
     the camera may be, all else unknown.
     """
-    T, held = start, np.diag([1 / step_sd**2] * 3 + [1e-6] * 3)
-    for scale in scales:
-        J, miss, length = _whitened(T, seen_points, scale * noise)
-        wJ = J * KERNEL.weight(length)
-        gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]
-        H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
-        g = wJ.reshape(6, -1) @ miss.ravel()
-        g[:3] += gone / step_sd**2
-        step = -np.asarray(np.linalg.solve(H, g), float)
-        T = _nudged(T, step)
-        if scale == 1.0 and np.abs(step).max() < DONE:
-            break
+
+    def step(T: Array, count: int) -> Array:
+        J, miss, length = _whitened(T, seen_points, scales[count] * noise)
+        return _step(J, miss, KERNEL.weight(length), _gone(start, T), step_sd)
+
+    narrowing = sum(scale > 1.0 for scale in scales)
+    criteria = replace(
+        GAUSS_NEWTON, most_steps=len(scales), least_steps=narrowing + 1, settled=DONE
+    )
+    T = gauss_newton(step, _nudged, start, criteria).state
     length = _whitened(T, seen_points, noise)[2]
     agree = length < INLIER
     return Resected(T, agree, float(np.median(length[agree])) if agree.any() else np.nan)
+
+
+def _gone(start: Array, T: Array) -> Array:
+    """How far (3,) a camera is from where it started, in its own frame."""
+    return np.asarray(T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3])
+
+
+def _step(J: Array, miss: Array, weight: Array, gone: Array, step_sd: float) -> Array:
+    """The step (6,) of slopes (6, 2, K) and residuals (2, K), weighed by (K,), and of a prior on
+    how far the camera has gone."""
+    wJ = J * weight
+    held = np.diag([1 / step_sd**2] * 3 + [LEAST_TURN_PRECISION] * 3)
+    H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
+    g = wJ.reshape(6, -1) @ miss.ravel()
+    g[:3] += gone / step_sd**2
+    return -np.asarray(np.linalg.solve(H, g), float)
 
 
 def _nudged(T: Array, step: Array) -> Array:

@@ -10,13 +10,14 @@ the points, of pairs of points, so that something large that moves by itself doe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.gauss_newton import GAUSS_NEWTON, gauss_newton
 from keypose.tracker.solver.robust import Cauchy, GemanMcClure
 
 FEWEST = 6
@@ -142,16 +143,20 @@ def solve_turn(
     if shear is not None:
         seen = seen - shifts @ shear.share
     turn = _start(directions, seen, focal_px, trust, starts)
-    for scale in (*scales_px, *[0.0] * STEPS_AT_END):
+    scales = (*scales_px, *[None] * STEPS_AT_END)
+
+    def step(turn: Turn, count: int) -> Array:
         residual, J = linearised(turn, directions, seen, focal_px)
         error = np.linalg.norm(residual, axis=1)
-        weight = trust * GemanMcClure(scale or _spread(error, trust)).weight(error)
-        step = _step(residual, J, weight)
-        if step is None:
-            return None
-        turn = turn.moved(step)
-    residual, J = linearised(turn, directions, seen, focal_px)
-    return _solved(turn, residual, J, trust, shifts * focal_px)
+        scale_px = scales[count] or _spread(error, trust)
+        return _step(residual, J, trust * GemanMcClure(scale_px).weight(error))
+
+    criteria = replace(GAUSS_NEWTON, most_steps=len(scales), longest_step=MOST_STEP)
+    solution = gauss_newton(step, Turn.moved, turn, criteria)
+    if solution.end == "unsolvable":
+        return None
+    residual, J = linearised(solution.state, directions, seen, focal_px)
+    return _solved(solution.state, residual, J, trust, shifts * focal_px)
 
 
 def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array) -> Solved:
@@ -252,15 +257,10 @@ def _spread(error: Array, trust: Array) -> float:
     return float(np.clip(2.5 * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
 
 
-def _step(residual: Array, J: Array, weight: Array) -> Array | None:
-    """The step (4,) of turn and zoom; None where the points do not tell it."""
+def _step(residual: Array, J: Array, weight: Array) -> Array:
+    """The step (4,) of turn and zoom, of residuals (K, 2), their slopes (K, 2, 4), weighed by
+    (K,)."""
     weighted = (J * weight[:, None, None]).reshape(-1, 4).T
     A = weighted @ J.reshape(-1, 4)
     A.flat[::5] += 1e-9 * np.trace(A) + 1e-12
-    try:
-        step = np.linalg.solve(A, weighted @ residual.reshape(-1))
-    except np.linalg.LinAlgError:
-        return None
-    if not np.isfinite(step).all():
-        return None
-    return np.asarray(step * min(1.0, MOST_STEP / max(np.abs(step).max(), 1e-12)))
+    return np.asarray(np.linalg.solve(A, weighted @ residual.reshape(-1)))

@@ -36,6 +36,7 @@ class Criteria:
     """How to descend, and when to stop.
 
     most_steps:  steps taken at most.  most_solves: solves at most, with those rejected.
+    least_steps: steps before which none counts as settled, as while a kernel narrows.
     most_tries:  solves at most for one step.
     longest_step: a longer one is shortened to it; length is the largest component.
     settled:     a step that travels less is the last one (see `Problem.travel`).
@@ -47,6 +48,7 @@ class Criteria:
 
     most_steps: float = np.inf
     most_solves: float = np.inf
+    least_steps: int = 0
     most_tries: float = np.inf
     longest_step: float = np.inf
     settled: float = 0.0
@@ -217,11 +219,15 @@ class _Descent(Generic[State, Point]):
     def _reason_to_stop(self, before: Point, step: Array) -> End | None:
         """Why the step just taken is the last one; None where it is not."""
         how = self.criteria
-        if how.settled and self.problem.travel(before, self.here, step) < how.settled:
+        is_early = self.steps < how.least_steps
+        if how.settled and not is_early and self._travel(before, step) < how.settled:
             return "settled"
         if how.gain and before.cost - self.here.cost < how.gain * (self.here.cost + how.gain_floor):
             return "no gain"
         return None
+
+    def _travel(self, before: Point, step: Array) -> float:
+        return self.problem.travel(before, self.here, step)
 
     def _reject(self, end: End) -> None:
         """Damp harder, or end with the reason `end` where that is not allowed."""
