@@ -176,16 +176,26 @@ def _each_beside_the_rest(
 
 def _mean(evidence: Sequence[UpEvidence]) -> tuple[Array, Array]:
     """The direction that all are least off from, and its precision."""
-    up = min(evidence, key=lambda up_evidence: up_evidence.sigma_rad).up
+    precision = sum((each.precision for each in evidence), np.zeros((3, 3)))
+    pull = sum((each.precision @ each.up for each in evidence), np.zeros(3))
+    surest = min(evidence, key=lambda up_evidence: up_evidence.sigma_rad)
+    up = least_off(precision, pull, surest.up)
+    away = np.eye(3) - np.outer(up, up)
+    return up, np.asarray(away @ precision @ away)
+
+
+def least_off(precision: Array, pull: Array, start: Array) -> Array:
+    """The unit vector u (3,) of least uᵀ precision u − 2 uᵀ pull, by Gauss–Newton on the sphere.
+
+    precision: (3, 3), rad⁻².  pull: (3,).  start: unit vector that is about there.
+    """
+    up = start
     for _ in range(STEPS):
         across = _across(up)
-        pull = sum(each.precision @ (each.up - up) for each in evidence)
-        precision = sum(each.precision for each in evidence)
         power = across @ precision @ across.T + LEAST_PRECISION * np.eye(2)
-        up = up + np.linalg.solve(power, across @ pull) @ across
+        up = up + np.linalg.solve(power, across @ (pull - precision @ up)) @ across
         up = up / np.linalg.norm(up)
-    away = np.eye(3) - np.outer(up, up)
-    return np.asarray(up), np.asarray(away @ precision @ away)
+    return np.asarray(up)
 
 
 def _across(up: Array) -> Array:

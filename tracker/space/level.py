@@ -22,6 +22,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.up import (
     UpEstimate,
     UpEvidence,
+    least_off,
     up_of_one,
 )
 from keypose.tracker.session.pins import Pin
@@ -37,8 +38,6 @@ from keypose.tracker.solver.sigmas import (
 )
 from keypose.tracker.space.pinned import KNEES
 
-STEPS: Final = 3
-"""The problem is linear but for the unit length."""
 MOST_LEAN_RAD: Final = np.radians(45.0)
 """Nobody who stands is farther from what the camera takes for up."""
 MOST_BEND_RAD: Final = np.radians(60.0)
@@ -80,15 +79,11 @@ def evidence_of_places(p_world: Array, up_world: Array) -> UpEvidence:
     up_world: unit vector (3,) that is about up.
     """
     from_middle = p_world - p_world.mean(axis=0)
-    up = known = np.asarray(up_world, dtype=np.float64)
+    about = np.asarray(up_world, dtype=np.float64)
     # the camera, where the world begins, sees them at depths that are off by a share
-    sigma = np.hypot(LEVEL_M, STANCE_DEPTH * abs(float(np.median(p_world @ up))))
-    for _ in range(STEPS):
-        tilts = np.linalg.svd(up[None])[2][1:]  # (2, 3) directions across up
-        rows = np.concatenate([from_middle @ tilts.T / sigma, tilts.T / ABOUT_RAD])
-        off = np.concatenate([from_middle @ up / sigma, (up - known) / ABOUT_RAD])
-        up = up - np.linalg.lstsq(rows, off, rcond=None)[0] @ tilts
-        up = up / np.linalg.norm(up)
+    sigma = np.hypot(LEVEL_M, STANCE_DEPTH * abs(float(np.median(p_world @ about))))
+    shown = from_middle.T @ from_middle / sigma**2
+    up = least_off(shown + np.eye(3) / ABOUT_RAD**2, about / ABOUT_RAD**2, about)
     off = from_middle @ up
     scatter = float(off @ off) / max(len(off) - OF_SCATTER, 1)
     away = np.eye(3) - np.outer(up, up)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from keypose.tracker.geometry.rotations import Array, exp_rotation
-from keypose.tracker.geometry.up import UpEvidence, UpSource, combined, up_of_one
+from keypose.tracker.geometry.up import UpEvidence, UpSource, combined, least_off, up_of_one
 
 LEVEL = np.array([0.0, -1.0, 0.0])
 SIDE = np.array([1.0, 0.0, 0.0])
@@ -127,3 +127,11 @@ def test_one_source_leaves_what_it_does_not_show_as_it_was_known() -> None:
     found = up_of_one(roll, evidence(10.0, 5.0, "set"))
     assert found.sources == ("feet",)
     assert np.degrees(np.arcsin(found.up[2])) == pytest.approx(-10, abs=0.2)
+
+
+@pytest.mark.parametrize("off_deg", [0.0, 20.0, 60.0])
+def test_the_direction_of_least_cost_is_found_from_anywhere_near(off_deg: float) -> None:
+    precision = np.diag([400.0, 1.0, 90.0])
+    true = tilted(8.0, AHEAD)
+    wanted = precision @ true + 3.0 * true  # so that the gradient there points outward
+    assert angle_deg(least_off(precision, wanted, tilted(off_deg, SIDE + AHEAD)), true) < 1e-6
