@@ -23,9 +23,8 @@ from bench.camera_films import FILMS, CameraFilm, camera_film, feet, feet_stray_
 from bench.children import peak_bytes
 from bench.keeping import ROOT, Absent
 from bench.table import Expected, Report, Table
-from keypose.tracker.camera_motion.find import find_camera_motion
+from keypose.tracker.camera_motion.find import find_camera_motion, find_moved_path
 from keypose.tracker.camera_motion.metric import StandingPoint, scale_from_stances
-from keypose.tracker.camera_motion.moved import find_moved_path
 from keypose.tracker.camera_motion.points import Background
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath

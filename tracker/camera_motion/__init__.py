@@ -4,20 +4,14 @@
     found.kind      # "static", "turns" or "moves"
     found.path      # a CameraPath, or None for a static camera
 
-Where it moves (and does not zoom), its way is found in a second pass, in a unit of its own, and
+Where it moves (and does not zoom), its path is found in a second pass, in a unit of its own, and
 feet that stand tell how long that is:
 
     moved = find_moved_path(pictures, camera, frame_count, background)
     scale = scale_from_stances(moved.path, [StandingPoint(12, p_camera_foot), ...])
     path = moved.in_metres(scale.metres)            # where scale is not None
 
-`find` is the way in; `odometer` measures frame after frame from anchors, with the points that
-`points` follows and the turns that `turn` solves for; `territory` and `landmarks` know what was
-seen before; `anchors` and `path` put everything together.
-
-Of a camera that moves, `moving` places frame after frame (`resection`) by points whose depths are
-known (`view_map`), begins with two pictures (`two_views`), and adjusts views and depths together
-(`bundle`); `homes` finds points again that come back into view.
+The README beside this file says how, step by step.
 """
 
 from __future__ import annotations
@@ -25,14 +19,15 @@ from __future__ import annotations
 from keypose.tracker.camera_motion.find import (
     CameraKind,
     CameraMotion,
+    MovedPath,
     find_camera_motion,
+    find_moved_path,
 )
 from keypose.tracker.camera_motion.findings import Finding
 from keypose.tracker.camera_motion.focal import FocalScale
 from keypose.tracker.camera_motion.matches import Matched, rotation_from_matches
 from keypose.tracker.camera_motion.measurements import FollowedPoints
 from keypose.tracker.camera_motion.metric import PathScale, StandingPoint, scale_from_stances
-from keypose.tracker.camera_motion.moved import MovedPath, find_moved_path
 
 __all__ = [
     "CameraKind",

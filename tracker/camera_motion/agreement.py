@@ -81,10 +81,10 @@ def _followed(
         if picture is None or picture.shape != (size[1], size[0]):
             break
         rough, _ = follower.look(picture)
-        if follower.anchor is None:
+        if follower.keyframe is None:
             usable = background(number)
-            anchor = follower.pick(usable, np.zeros(0, np.int64), np.zeros((0, 2)))
-            first, start = number, anchor.uv
+            keyframe = follower.pick(usable, np.zeros(0, np.int64), np.zeros((0, 2)))
+            first, start = number, keyframe.uv
             if len(start) < FEWEST:
                 return []
             continue

@@ -1,6 +1,6 @@
 """Adjust where a camera was in several pictures, and how far all points are, in one solve.
 
-A point lies along the ray by which it was first seen, its *home*, at an inverse depth: 0 is
+A point lies along the ray by which it was first seen, its *anchor*, at an inverse depth: 0 is
 infinitely far, so that a point whose depth nothing tells yet is as good as any. What is minimised
 are the distances between where points are seen and where they should be, in standard deviations,
 weighed by Cauchy's kernel; depths are eliminated exactly (Schur), one number each.
@@ -30,7 +30,7 @@ KERNEL = Cauchy(2.0)
 FARTHEST = 1e3
 """Standard deviations that the cost tells apart: so is that of a point behind a camera finite."""
 LEAST_DEPTH = 1e-3
-"""Of a point before the camera, in depths of its home."""
+"""Of a point before the camera, in depths of its anchor."""
 DENSE = 24
 """With more pictures that may move, the equations are kept sparse."""
 MOST_AT_ONCE = 20_000
@@ -41,17 +41,17 @@ ADJUSTING = Criteria(most_tries=4, gain=1e-4, damping=Damping(first=1e-4, easier
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """V pictures, P points, N places at which points are seen, without those of their homes.
+    """V pictures, P points, N places at which points are seen, without those of their anchors.
 
     Ts: (V, 4, 4) camera from world.  free: (V,), the others stay as they are.
-    home: (P,) pictures.  rays: (P, 2) places there.  depths: (P,) inverse.
+    anchor: (P,) pictures.  rays: (P, 2) places there.  depths: (P,) inverse.
     mean, spread: (P,) of the depths, before anything is seen.
     view, point: (N,) indices.  xy: (N, 2).  noise: standard deviation of a place.
     """
 
     Ts: Array
     free: NDArray[np.bool_]
-    home: Indices
+    anchor: Indices
     rays: Array
     depths: Array
     mean: Array
@@ -87,11 +87,11 @@ def cost_of(bundle: Bundle) -> float:
 
 
 def relative(bundle: Bundle) -> Array:
-    """Where points are in the pictures that see them (N, 3), their depth at home the unit."""
+    """Where points are in the pictures that see them (N, 3), their depth at anchor the unit."""
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
-    home, depth = bundle.home, bundle.depths[:, None]
-    b = np.concatenate([bundle.rays, np.ones((len(home), 1))], axis=1)
-    in_world = np.einsum("pba,pb->pa", R[home], b - depth * t[home])
+    anchor, depth = bundle.anchor, bundle.depths[:, None]
+    b = np.concatenate([bundle.rays, np.ones((len(anchor), 1))], axis=1)
+    in_world = np.einsum("pba,pb->pa", R[anchor], b - depth * t[anchor])
     i, j = bundle.view, bundle.point
     return np.asarray(np.einsum("nab,nb->na", R[i], in_world[j]) + depth[j] * t[i])
 
@@ -109,7 +109,7 @@ def _misses(bundle: Bundle) -> tuple[Array, Array]:
 class _Batch:
     """Some of the places, few enough to have their slopes in memory at a time.
 
-    rows: sorted by the slots of picture and home.  pairs (R, 2): slots that occur together, and
+    rows: sorted by the slots of picture and anchor.  pairs (R, 2): slots that occur together, and
     starts (R,): where in the rows each pair begins.
     """
 
@@ -134,7 +134,7 @@ class _Layout:
     def of(cls, bundle: Bundle) -> _Layout:
         count = int(bundle.free.sum())
         slot = np.where(bundle.free, np.cumsum(bundle.free) - 1, count).astype(np.int64)
-        key = slot[bundle.view] * (count + 1) + slot[bundle.home[bundle.point]]
+        key = slot[bundle.view] * (count + 1) + slot[bundle.anchor[bundle.point]]
         order = np.argsort(key, kind="stable")
         batches = []
         for first in range(0, len(order), MOST_AT_ONCE):
@@ -151,7 +151,7 @@ class _Layout:
         for batch in self.batches:
             part = bundle.only(batch.rows)
             J, depth, miss, weight = _slopes(part)
-            wJ, count = weight[:, None, None] * J, len(bundle.home)
+            wJ, count = weight[:, None, None] * J, len(bundle.anchor)
             H_depth += np.bincount(part.point, weight * (depth**2).sum(axis=1), count)
             g_depth += np.bincount(part.point, weight * (depth * miss).sum(axis=1), count)
             blocks = np.concatenate([transpose(wJ) @ J, transpose(wJ) @ miss[..., None]], axis=2)
@@ -160,17 +160,17 @@ class _Layout:
         pairs = np.concatenate([batch.pairs for batch in self.batches])
         H, g = self._gather(pairs, np.concatenate(sums))
         rows, columns, values = (np.concatenate(parts) for parts in zip(*cross, strict=True))
-        E = self._matrix(rows, columns, values, len(bundle.home))
+        E = self._matrix(rows, columns, values, len(bundle.anchor))
         return _Equations(H, g, E, H_depth, g_depth)
 
     def _gather(self, pairs: Indices, sums: Array) -> tuple[Array | sparse.csr_array, Array]:
         """H (6M, 6M) and g (6M,) of the blocks (R, 12, 13) of all pairs."""
-        m, (view, home) = self.count, pairs.T
+        m, (view, anchor) = self.count, pairs.T
         g = np.zeros((m + 1, 6))
         np.add.at(g, view, sums[:, :6, 12])
-        np.add.at(g, home, sums[:, 6:, 12])
-        first = np.concatenate([view, home, view, home])
-        second = np.concatenate([view, home, home, view])
+        np.add.at(g, anchor, sums[:, 6:, 12])
+        first = np.concatenate([view, anchor, view, anchor])
+        second = np.concatenate([view, anchor, anchor, view])
         blocks = np.concatenate(
             [sums[:, :6, :6], sums[:, 6:, 6:12], sums[:, :6, 6:12], sums[:, 6:, :6]]
         )
@@ -182,8 +182,8 @@ class _Layout:
         return H, g[:m].ravel()
 
     def _cross(self, part: Bundle, both: Array) -> tuple[Indices, Indices, Array]:
-        """Rows, columns and values of E (P, 6M) from (N, 12), of the picture and of the home."""
-        slots = np.concatenate([self.slot[part.view], self.slot[part.home[part.point]]])
+        """Rows, columns and values of E (P, 6M) from (N, 12), of the picture and of the anchor."""
+        slots = np.concatenate([self.slot[part.view], self.slot[part.anchor[part.point]]])
         points = np.concatenate([part.point, part.point])
         kept = slots < self.count
         columns = (6 * slots[kept, None] + np.arange(6)).ravel()
@@ -272,23 +272,23 @@ def nudged(Ts: Array, steps: Array) -> Array:
 
 
 def _slopes(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
-    """Slopes (N, 2, 12) of the residuals by picture and home, (N, 2) by depth, the residuals
+    """Slopes (N, 2, 12) of the residuals by picture and anchor, (N, 2) by depth, the residuals
     (N, 2) and the weights (N,).
     """
     Y, (miss, length) = relative(bundle), _misses(bundle)
     i, j = bundle.view, bundle.point
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
-    home, depth = bundle.home[j], bundle.depths[j]
+    anchor, depth = bundle.anchor[j], bundle.depths[j]
     weight = KERNEL.weight(length)
     P = projection_slopes(Y) / bundle.noise
-    PR = P @ R[i] @ transpose(R[home])
-    # of the camera frame's motion v, w: δY = depth v + w × Y; of the home's: the same, turned back
+    PR = P @ R[i] @ transpose(R[anchor])
+    # of the camera frame's motion v, w: δY = depth v + w × Y; of the anchor's: turned back
     b = np.concatenate([bundle.rays[j], np.ones((len(j), 1))], axis=1)
     own = np.concatenate([P * depth[:, None, None], cross_rows(P, Y)], axis=2)
-    homes = -np.concatenate([PR * depth[:, None, None], cross_rows(PR, b)], axis=2)
-    shift = t[i] - np.einsum("nab,ncb,nc->na", R[i], R[home], t[home], optimize=True)
+    anchors = -np.concatenate([PR * depth[:, None, None], cross_rows(PR, b)], axis=2)
+    shift = t[i] - np.einsum("nab,ncb,nc->na", R[i], R[anchor], t[anchor], optimize=True)
     by_depth = np.einsum("nka,na->nk", P, shift)
-    return np.concatenate([own, homes], axis=2), by_depth, miss, weight
+    return np.concatenate([own, anchors], axis=2), by_depth, miss, weight
 
 
 def projection_slopes(Y: Array) -> Array:

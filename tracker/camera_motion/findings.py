@@ -44,10 +44,11 @@ FEWEST_SCENE = 5
 
 
 LEAST_CONTRAST = 0.6
+"""Of the film's usual contrast: with less a picture has faded."""
 MOST_CHANGE = 0.15
-"""Of the film's usual contrast: with less a picture has faded; and by so much it changes over
-`NEAR` frames while it fades."""
+"""Of the film's usual contrast, by which it changes over `NEAR` frames while a picture fades."""
 NEAR = 6
+"""Frames."""
 FAINT_GREY = 4.0
 """Standard deviation of the grey levels of a picture in which compression leaves nothing else."""
 EVERY = 5
@@ -73,25 +74,33 @@ def are_faded(contrasts: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def scenes(
-    anchor: NDArray[np.int64], known: NDArray[np.bool_], loose: Sequence[int], cuts: Sequence[int]
+    keyframe: NDArray[np.int64],
+    known: NDArray[np.bool_],
+    untied: Sequence[int],
+    cuts: Sequence[int],
 ) -> tuple[NDArray[np.bool_], list[int], tuple[int, ...]]:
     """Which frames (N,) are known, and the cuts, without scenes of too few frames, and the
     first frames of what hangs together.
 
-    anchor (N,): of each frame, of which the loose ones are tied to nothing before them.
+    Args:
+        keyframe: (N,) the number of the one that each frame was measured from.
+        known: (N,) at which frames the camera was measured.
+        untied: keyframes that are tied to nothing before them.
+        cuts: frames at which the picture changed wholly.
     """
-    known, begins = known.copy(), np.array([0, *loose, anchor.max(initial=0) + 1])
+    known, begins = known.copy(), np.array([0, *untied, keyframe.max(initial=0) + 1])
     every = [
-        (anchor >= first) & (anchor < beyond) & known for first, beyond in pairwise(begins.tolist())
+        (keyframe >= first) & (keyframe < beyond) & known
+        for first, beyond in pairwise(begins.tolist())
     ]
-    long = [frames for frames in every if frames.sum() >= FEWEST_SCENE] or every[:1]
+    long = [scene for scene in every if scene.sum() >= FEWEST_SCENE] or every[:1]
     known = np.logical_or.reduce(long)
-    begun = [int(np.flatnonzero(frames)[0]) for frames in long[1:]]
+    begun = [int(np.flatnonzero(scene)[0]) for scene in long[1:]]
     ends = [0, *sorted(cuts), len(known)]
-    lasting = [known[one:other].sum() >= FEWEST_SCENE for one, other in pairwise(ends)]
+    lasting = [known[first:beyond].sum() >= FEWEST_SCENE for first, beyond in pairwise(ends)]
     kept = [cut for k, cut in enumerate(sorted(cuts)) if lasting[k] and lasting[k + 1]]
-    seen = np.flatnonzero(known)
-    ends_before = [seen[seen < first].max(initial=-1) for first in (*begun, *kept)]
+    frames = np.flatnonzero(known)
+    ends_before = [frames[frames < first].max(initial=-1) for first in (*begun, *kept)]
     return known, kept, tuple(sorted({0, *(int(end) + 1 for end in ends_before)}))
 
 

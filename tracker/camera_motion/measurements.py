@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.odometer import Measured
-from keypose.tracker.camera_motion.path import Turns, joined
+from keypose.tracker.camera_motion.path import Turns, turns_through
 from keypose.tracker.camera_motion.turn import Turn
+from keypose.tracker.camera_motion.turning_odometry import Measured
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 GROWTH = 1.5
+"""By which the table of frames grows where it is full."""
 TOGETHER = 256
 """Frames whose points are put into one array at a time."""
 
@@ -24,7 +25,7 @@ _ZOOM = 9
 _VARIANCE = slice(10, 12)
 _LEVER = slice(12, 20)
 _READOUT = slice(20, 22)
-_ANCHOR = 22
+_KEYFRAME = 22
 _KNOWN = 23
 _ERROR = 24
 _SHARE = 25
@@ -74,7 +75,7 @@ class Measurements:
         row[_R], row[_ZOOM] = measured.turn.R.ravel(), np.log(measured.turn.zoom)
         row[_VARIANCE] = variance[:3].mean(), variance[3]
         row[_LEVER], row[_READOUT] = measured.lever.ravel(), measured.readout
-        row[_ANCHOR], row[_KNOWN] = measured.anchor, measured.known
+        row[_KEYFRAME], row[_KNOWN] = measured.keyframe, measured.known
         row[_ERROR], row[_SHARE] = measured.error_px, measured.share
         self.causes.append(measured.cause)
         self._counts.append(len(measured.uv))
@@ -85,9 +86,9 @@ class Measurements:
             _put_together(self._good)
 
     @property
-    def anchor(self) -> NDArray[np.int64]:
-        """The anchor (N,) of each frame."""
-        return self._column(_ANCHOR).astype(np.int64)
+    def keyframe(self) -> NDArray[np.int64]:
+        """The keyframe (N,) of each frame."""
+        return self._column(_KEYFRAME).astype(np.int64)
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -111,28 +112,27 @@ class Measurements:
     def turns(
         self,
         known: NDArray[np.bool_],
-        anchors: Sequence[Turn],
+        keyframes: Sequence[Turn],
         frames: Sequence[int],
         readout: Array,
     ) -> Turns:
-        """The turns of all frames, of which `known` (N,) are, from their anchors' turns, set in
-        `frames`, as they would have been measured with the readout (2,) known from the start.
+        """The turns of all frames from the world, as they would have been measured with the
+        readout known from the start.
+
+        Args:
+            known: (N,) at which frames the camera is known.
+            keyframes: the turn of each keyframe from the world.
+            frames: in which each keyframe was set.
+            readout: (2,) along u and v, as a share of the time between frames.
         """
         rows = self._rows[: len(self)]
         change = (readout - rows[:, _READOUT])[:, :, None]
         moved = (rows[:, _LEVER].reshape(-1, 4, 2) @ change)[..., 0]
         doubt = np.sqrt(rows[:, _VARIANCE])
-        return joined(
-            self.anchor,
-            exp_rotation(moved[:, :3]) @ rows[:, _R].reshape(-1, 3, 3),
-            rows[:, _ZOOM] + moved[:, 3],
-            doubt[:, 0],
-            doubt[:, 1],
-            known,
-            np.stack([turn.R for turn in anchors]),
-            np.log([turn.zoom for turn in anchors]),
-            frames,
-        )
+        R = exp_rotation(moved[:, :3]) @ rows[:, _R].reshape(-1, 3, 3)
+        log_zoom = rows[:, _ZOOM] + moved[:, 3]
+        measured = Turns(R, log_zoom, known, doubt[:, 0], doubt[:, 1])
+        return turns_through(measured, self.keyframe, keyframes, frames)
 
     def _column(self, column: int) -> Array:
         return self._rows[: len(self), column].copy()

@@ -1,9 +1,13 @@
-"""Find how long a path's unit is, in metres, by feet that stand still.
+"""Find how long a path's unit is, in metres, by the body: feet that stand, or how it moves.
 
 Pictures tell where a camera went but for the scale. A body that is tracked is known in metres, in
 the camera's frame of every frame. While a foot stands, its place in the world is one:
 R p + s c is the same at all its frames, where the camera was at c in the path's unit, is turned by
 R and sees the foot at p. That is linear in s and in the feet's places.
+
+A hand that holds a camera shakes, and a body does not shake with it: the right s also leaves R p +
+s c of any part of the body the least acceleration. That is known less surely than from feet that
+stand, which it helps to find.
 """
 
 from __future__ import annotations
@@ -22,11 +26,23 @@ ALONG_M = 0.05
 """Standard deviations of a foot's place as tracked, across the line of sight and along it: only
 their ratio matters to the scale."""
 ROUNDS = 20
-KERNEL = 3.0
+"""Of weighing anew what remains: by then no digit that matters changes."""
+STANCE_WIDTH = 3.0
+"""Times the median distance of feet from where they stand, at which they count a quarter."""
 MEDIAN_OF_THREE = 1.538
 """The median length of three standard normal numbers."""
 LEAST_SURE = 0.2
-"""Standard deviation of the scale, as a share of it, above which it is not known."""
+"""Standard deviation of the scale by feet, as a share of it, above which it is not known."""
+ALONG_SHARE = 0.05
+"""How much acceleration along the view counts, which is tracked less surely."""
+ACCELERATION_WIDTH = 2.0
+"""Times the median acceleration at which one counts a quarter."""
+ALIKE = 3.0
+"""Neighbouring frames err alike: so many count as one."""
+LEAST_SURE_SMOOTH = 0.35
+"""Standard deviation of the scale by smoothness, as a share of it, above which it is not known."""
+FEWEST_FRAMES = 8
+"""Of a motion whose accelerations are looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +80,7 @@ def scale_from_stances(path: CameraPath, standing: Sequence[StandingPoint]) -> P
         s = -slope / power
         away = [stance.away(s, w) for stance, w in zip(stances, weights, strict=True)]
         spread = max(float(np.median(np.concatenate(away))), 1e-12)
-        weights = [GemanMcClure(KERNEL * spread).weight(a) for a in away]
+        weights = [GemanMcClure(STANCE_WIDTH * spread).weight(a) for a in away]
     sd = _sd(stances, weights, s, power)
     if not s > 0.0 or sd > LEAST_SURE * s:
         return None
@@ -121,3 +137,35 @@ def _sd(stances: Sequence[_Stance], weights: Sequence[Array], s: float, power: f
     alike = np.clip(near / max(own, 1e-300), 0.0, 0.98)
     spread = float(np.median(np.concatenate(away))) / MEDIAN_OF_THREE
     return float(spread / np.sqrt(power) * np.sqrt((1 + alike) / (1 - alike)))
+
+
+def scale_from_smoothness(path: CameraPath, first_frame: int, p_camera: Array) -> PathScale | None:
+    """The scale that leaves a point of the body the least acceleration in the world; None where the
+    camera shook too little to tell it.
+
+    p_camera: (n, 3) metres, in the camera's frame at `first_frame` and those that follow.
+    """
+    if len(p_camera) < FEWEST_FRAMES:
+        return None
+    Ts = path.Ts_world_camera[first_frame : first_frame + len(p_camera)]
+    q = np.einsum("nab,nb->na", Ts[:, :3, :3], p_camera)
+    view = (q / np.linalg.norm(q, axis=1, keepdims=True))[1:-1]
+    a, b = (_across(np.diff(x, 2, axis=0), view) for x in (q, Ts[:, :3, 3]))
+    weights, s = np.ones(len(a)), 0.0
+    for _ in range(ROUNDS):
+        power = float((weights[:, None] * b * b).sum())
+        if power <= 0:
+            return None
+        s = -float((weights[:, None] * a * b).sum()) / power
+        left = np.linalg.norm(a + s * b, axis=1)
+        spread = max(float(np.median(left)), 1e-12)
+        weights = GemanMcClure(ACCELERATION_WIDTH * spread).weight(left)
+    sd = spread * np.sqrt(ALIKE / power)
+    if not s > 0 or sd > LEAST_SURE_SMOOTH * s:
+        return None
+    return PathScale(s, float(sd), 1)
+
+
+def _across(x: Array, view: Array) -> Array:
+    along = (x * view).sum(axis=1, keepdims=True) * view
+    return np.asarray(x - (1 - ALONG_SHARE) * along)

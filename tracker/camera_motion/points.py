@@ -1,8 +1,8 @@
 """Follow points of the background through a film, one picture after another.
 
 Two looks a frame, both by Lucas and Kanade: from the picture before, which finds where points went
-however the camera was jerked; and from the *anchor*, an earlier picture in which the points were
-picked, which says to a fraction of a pixel where they are. What is measured from one anchor does
+however the camera was jerked; and from the *keyframe*, an earlier picture in which the points were
+picked, which says to a fraction of a pixel where they are. What is measured from one keyframe does
 not drift, and a point that was occluded is found again. Points are picked one a cell, where the
 texture is best, so that no corner of the picture outweighs the others.
 
@@ -12,7 +12,7 @@ who follows gives the places that are expected.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -68,8 +68,9 @@ _ROUGHLY = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 0.05)
 
 
 @dataclass(frozen=True, eq=False)
-class Anchor:
-    """A picture in which points were picked, its half, and where (K, 2), film's pixels."""
+class KeyframePicture:
+    """The picture of a keyframe at the size looked at, its half, and the points that were picked or
+    known in it: their ids (K,) and where they are (K, 2), pixels of the film."""
 
     grey: Grey
     half: Grey
@@ -81,14 +82,14 @@ class Anchor:
 class PointFollower:
     """Points of one film, width × height pixels.
 
-    Of every frame first `look`, then `refine`; and `pick` where a new anchor is due.
+    Of every frame first `look`, then `refine`; and `pick` where a new keyframe is due.
     scale: from pixels of the film to those looked at.  visible: of the latest picture, how many
     points were expected where background may be seen.
     """
 
     width: int
     height: int
-    anchor: Anchor | None = None
+    keyframe: KeyframePicture | None = None
     scale: float = field(init=False)
     visible: int = field(default=0, init=False)
     _raw: Grey | None = field(default=None, init=False)
@@ -103,7 +104,7 @@ class PointFollower:
         self.scale = min(1.0, LOOK_PX / max(self.width, self.height))
 
     def look(self, picture: Grey, most: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
-        """Take the next picture and return roughly where the anchor's points went (K, 2), and
+        """Take the next picture and return roughly where the keyframe's points went (K, 2), and
         which of them (K,) were followed from the picture before.
 
         most: how many are asked, of those in the picture before, found in it or not: what moves
@@ -112,7 +113,7 @@ class PointFollower:
         self._raw = self._small(picture)
         self._now = _exposed(self._raw, self._exposure)
         self._half_before, self._half = self._half, _halved(self._now)
-        if self.anchor is None or self._half_before is None:
+        if self.keyframe is None or self._half_before is None:
             return self._last, np.zeros(len(self._last), bool)
         asked = self._asked(most)
         start = self.to_look(self._last[asked]) / 2
@@ -128,15 +129,15 @@ class PointFollower:
         return rough, followed
 
     def _expose(self, followed: NDArray[np.int64], there: Array) -> None:
-        """Make the latest picture as bright as the anchor's, by points (K,) that were followed to
+        """Make the latest picture as bright as the keyframe's, by points (K,) that were followed to
         (K, 2) of its half: Lucas and Kanade take every other difference for motion.
         """
-        assert self.anchor is not None
+        assert self.keyframe is not None
         assert self._raw is not None
         assert self._half is not None
         if len(followed) < FEWEST_EXPOSED:
             return
-        was = _brightness(self.anchor.half, self.to_look(self.anchor.uv[followed]) / 2)
+        was = _brightness(self.keyframe.half, self.to_look(self.keyframe.uv[followed]) / 2)
         change = _line(_brightness(self._half, there), was)
         if abs(change[0] - 1) < LEAST_GAIN and abs(change[1]) < LEAST_OFFSET:
             return
@@ -157,21 +158,21 @@ class PointFollower:
     def refine(
         self, expected: Array, usable: Mask | None, halvings: int = 1
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Where the anchor's points are (K, 2), and which (K,) were found.
+        """Where the keyframe's points are (K, 2), and which (K,) were found.
 
         expected: (K, 2); also the places that are taken for points that were not found.
         usable: of the picture's pixels (H, W), those that may be background.  halvings: 0 where
         the places are expected to within a few pixels, one more for twice as far.
         """
-        assert self.anchor is not None
+        assert self.keyframe is not None
         assert self._now is not None
-        start, guess = self.to_look(self.anchor.uv), self.to_look(expected)
+        start, guess = self.to_look(self.keyframe.uv), self.to_look(expected)
         inside = self.inside(guess, 0.0)
         open_ = self._open(usable)
         self.visible = int((inside & self._on(open_, expected)).sum())
         guess = np.where(inside[:, None], guess, start)
         there, found = _followed(
-            self.anchor.grey, self._now, start, guess, WINDOW_PX, halvings, _ENOUGH
+            self.keyframe.grey, self._now, start, guess, WINDOW_PX, halvings, _ENOUGH
         )
         found &= inside & self.inside(there, 1.0)
         uv = self.to_film(there)
@@ -180,8 +181,8 @@ class PointFollower:
         self._last = uv
         return uv, found
 
-    def pick(self, usable: Mask | None, ids: NDArray[np.int64], uv: Array) -> Anchor:
-        """Make the latest picture the anchor: with points that are known in it (K,), (K, 2), and
+    def pick(self, usable: Mask | None, ids: NDArray[np.int64], uv: Array) -> KeyframePicture:
+        """Make the latest picture the keyframe: with points that are known in it (K,), (K, 2), and
         new ones in the cells that hold none.
         """
         assert self._raw is not None
@@ -189,25 +190,25 @@ class PointFollower:
         fresh = self._next_id + np.arange(len(picked))
         self._next_id += len(picked)
         ids, uv = np.concatenate([ids, fresh]), np.concatenate([uv, picked])
-        anchor = Anchor(self._raw, _halved(self._raw), ids, uv)
-        self.use(anchor, uv)
-        return anchor
+        keyframe = KeyframePicture(self._raw, _halved(self._raw), ids, uv)
+        self.use(keyframe, uv)
+        return keyframe
 
     def could_pick(self, usable: Mask | None, fewest: int) -> bool:
-        """Whether an anchor in the latest picture would have so many points."""
+        """Whether a keyframe in the latest picture would have so many points."""
         return len(self._corners(self._open(usable), np.zeros((0, 2)))) >= fewest
 
-    def use(self, anchor: Anchor, expected: Array) -> None:
-        """Go on with an anchor whose points were or would be at (K, 2) in the latest picture."""
+    def use(self, keyframe: KeyframePicture, expected: Array) -> None:
+        """Go on with a keyframe whose points were or would be at (K, 2) in the latest picture."""
         assert self._raw is not None
-        self.anchor, self._last = anchor, expected
+        self.keyframe, self._last = keyframe, expected
         self._exposure = _SAME
         self._now, self._half = self._raw, _halved(self._raw)
 
-    def shift_from(self, anchor: Anchor) -> Array:
-        """The shift (2,) of the whole picture since an anchor, pixels of the film."""
+    def shift_from(self, keyframe: KeyframePicture) -> Array:
+        """The shift (2,) of the whole picture since a keyframe, pixels of the film."""
         assert self._half is not None
-        return 2 * _whole_shift(anchor.half, self._half) / self.scale
+        return 2 * _whole_shift(keyframe.half, self._half) / self.scale
 
     @property
     def look_height(self) -> int:
@@ -401,47 +402,3 @@ def _whole_shift(one: Grey, other: Grey) -> Array:
     shift, _ = cv2.phaseCorrelate(first.astype(np.float32), second.astype(np.float32), window)
     found = np.asarray(shift, float) * COARSE
     return found if np.isfinite(found).all() else np.zeros(2)
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """The points of one frame: their ids (K,), places (K, 2), and which of them (K,) were found.
-
-    anchor: number of the frame in which they were picked.
-    """
-
-    frame: int
-    anchor: int
-    ids: NDArray[np.int64]
-    uv: Array
-    found: NDArray[np.bool_]
-
-
-def follow(
-    pictures: Iterable[Grey],
-    width: int,
-    height: int,
-    background: Background = lambda frame: None,
-    least_share: float = 0.6,
-    longest: int = 30,
-) -> Iterator[Followed]:
-    """Follow points with no motion known: each is expected where it went from the frame before,
-    or with the others' median where it was lost.
-
-    A new anchor is set where less than `least_share` of the points are found, or after `longest`
-    frames; points that are found keep their ids.
-    """
-    follower, anchor, ids = PointFollower(width, height), 0, np.zeros(0, np.int64)
-    uv = np.zeros((0, 2))
-    for frame, picture in enumerate(pictures):
-        usable = background(frame)
-        last = uv
-        rough, found = follower.look(picture)
-        if len(rough):
-            shift = np.median((rough - last)[found], axis=0) if found.any() else np.zeros(2)
-            uv, found = follower.refine(np.where(found[:, None], rough, last + shift), usable)
-        if not len(rough) or found.mean() < least_share or frame - anchor >= longest:
-            picked = follower.pick(usable, ids[found], uv[found])
-            ids, uv = picked.ids, picked.uv
-            anchor, found = frame, np.ones(len(ids), bool)
-        yield Followed(frame, anchor, ids, uv, found)

@@ -18,7 +18,7 @@ from keypose.tracker.geometry.rotations import Array
 
 PRIOR_SIGMA = 0.3
 IN_COMMON = 25.0
-"""How many points and frames err alike, as a number: they share an anchor's errors."""
+"""How many points and frames err alike, as a number: they share a keyframe's errors."""
 LEAST_SIGMA = 0.01
 """What the frames have in common that their number does not better."""
 MOST = 1.5

@@ -27,7 +27,7 @@ said."""
 
 @dataclass(frozen=True)
 class Summary:
-    """Of one anchor: how many points were followed long enough, the share of them that stays
+    """Of one keyframe: how many points were followed long enough, the share of them that stays
     aside, their median way aside, and the median of all residuals; pixels of the size looked at.
     """
 
@@ -38,7 +38,7 @@ class Summary:
 
 
 class Steadiness:
-    """Running means of the residuals of an anchor's points."""
+    """Running means of the residuals of a keyframe's points."""
 
     def __init__(self, count: int) -> None:
         self._mean = np.zeros((count, 2))
@@ -57,7 +57,7 @@ class Steadiness:
         self._times[found] += 1
 
     def summary(self) -> Summary:
-        """What the anchor's points say."""
+        """What the keyframe's points say."""
         long = self._times >= FEWEST_FRAMES
         if long.sum() < FEWEST_POINTS:
             return Summary(int(long.sum()), 0.0, 0.0, 0.0)

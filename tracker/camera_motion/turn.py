@@ -122,6 +122,13 @@ class Solved:
     def agreeing(self) -> int:
         return int(self.agrees.sum())
 
+    def covariance(self, systematic: float) -> Array:
+        """The covariance (4, 4) of the turn, radians, and of the logarithm of the zoom, with what
+        the points have in common and no spread shows, radians."""
+        scale = max(np.trace(self.information), 1e-12)
+        floor = (systematic**2 + 1e-16) * np.eye(4)
+        return np.asarray(np.linalg.inv(self.information + 1e-12 * scale * np.eye(4)) + floor)
+
 
 def solve_turn(
     directions: Array,

@@ -107,7 +107,7 @@ def _adjusted(T: Array, depths: Array, one: Array, other: Array, noise: float) -
     bundle = Bundle(
         Ts=np.stack([np.eye(4), T]),
         free=np.array([False, True]),
-        home=np.zeros(count, int),
+        anchor=np.zeros(count, int),
         rays=one,
         depths=depths,
         mean=np.ones(count),

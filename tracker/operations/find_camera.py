@@ -32,7 +32,7 @@ from keypose.tracker.camera_motion import (
     CameraMotion as TurnedCamera,
 )
 from keypose.tracker.camera_motion.background import BodyBackground
-from keypose.tracker.camera_motion.body_scale import scale_from_smoothness
+from keypose.tracker.camera_motion.metric import scale_from_smoothness
 from keypose.tracker.errors import CameraError
 from keypose.tracker.files import read_own
 from keypose.tracker.geometry.camera import Camera

@@ -42,19 +42,29 @@ def bundle_of(place: Place, outliers: float = 0.0, off: float = 0.01) -> tuple[B
     """All but the first two cameras off, all depths too; and the true inverse depths."""
     rng = np.random.default_rng(1)
     (xy, z), (views, points) = place.seen, (len(place.Ts), len(place.X))
-    home = rng.integers(0, views // 2, points)
-    seen = (np.arange(views)[:, None] > home) & (rng.random((views, points)) < 0.7)
+    anchor = rng.integers(0, views // 2, points)
+    seen = (np.arange(views)[:, None] > anchor) & (rng.random((views, points)) < 0.7)
     view, point = np.nonzero(seen)
     at = xy[view, point] + NOISE * rng.standard_normal((len(view), 2))
     wrong = rng.random(len(view)) < outliers
     at[wrong] += rng.normal(0, 0.03, (wrong.sum(), 2))
     free = np.arange(views) > 1
     Ts = np.where(free[:, None, None], nudged(place.Ts, rng.normal(0, off, (views, 6))), place.Ts)
-    depths = 1 / z[home, np.arange(points)]
+    depths = 1 / z[anchor, np.arange(points)]
     guess = depths * np.exp(rng.normal(0, 20 * off, points))
     usual = np.full(points, 0.15)
     bundle = Bundle(
-        Ts, free, home, xy[home, np.arange(points)], guess, usual, 2 * usual, view, point, at, NOISE
+        Ts,
+        free,
+        anchor,
+        xy[anchor, np.arange(points)],
+        guess,
+        usual,
+        2 * usual,
+        view,
+        point,
+        at,
+        NOISE,
     )
     return bundle, depths
 

@@ -29,8 +29,8 @@ def test_the_slopes_are_those_of_finite_differences():
         step[2, k] = 1e-7
         moved = bundles._misses(replace(bundle, Ts=nudged(bundle.Ts, step)))[0]
         own = (bundle.view == 2)[:, None] * J[..., k]
-        homes = (bundle.home[bundle.point] == 2)[:, None] * J[..., 6 + k]
-        np.testing.assert_allclose((moved - miss) / 1e-7, own + homes, atol=1e-3)
+        anchors = (bundle.anchor[bundle.point] == 2)[:, None] * J[..., 6 + k]
+        np.testing.assert_allclose((moved - miss) / 1e-7, own + anchors, atol=1e-3)
     moved = bundles._misses(replace(bundle, depths=bundle.depths + 1e-7))[0]
     np.testing.assert_allclose((moved - miss) / 1e-7, by_depth, atol=2e-3)
 
@@ -52,7 +52,7 @@ def test_a_point_at_infinity_is_seen_in_a_direction_wherever_the_camera_is():
     far = replace(bundle, depths=np.zeros(len(bundle.depths)))
     rays = np.concatenate([far.rays, np.ones((len(far.rays), 1))], axis=1)
     R = far.Ts[:, :3, :3]
-    turn = R[far.view] @ np.swapaxes(R[far.home[far.point]], 1, 2)
+    turn = R[far.view] @ np.swapaxes(R[far.anchor[far.point]], 1, 2)
     np.testing.assert_allclose(relative(far), np.einsum("nab,nb->na", turn, rays[far.point]))
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bench.camera import errors
 from bench.camera_worlds import Room
-from keypose.tracker.camera_motion.moved import MovedPath, find_moved_path
+from keypose.tracker.camera_motion.find import MovedPath, find_moved_path
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, exp_rotation, transform

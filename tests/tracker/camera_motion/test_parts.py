@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.camera_motion.anchors import Edge, agreed
-from keypose.tracker.camera_motion.landmarks import MOST_KEPT, Landmarks
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.matches import rotation_from_matches
 from keypose.tracker.camera_motion.measurements import Measurements
-from keypose.tracker.camera_motion.odometer import Measured
-from keypose.tracker.camera_motion.path import Turns, bridged
-from keypose.tracker.camera_motion.points import PointFollower, follow
+from keypose.tracker.camera_motion.patches import MOST_KEPT, Patches
+from keypose.tracker.camera_motion.path import Turns
+from keypose.tracker.camera_motion.points import PointFollower
+from keypose.tracker.camera_motion.pose_graph import Edge, optimised
 from keypose.tracker.camera_motion.turn import Turn, linearised, solve_turn
+from keypose.tracker.camera_motion.turning_odometry import Measured
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
-from tests.tracker.camera_cases import SMALL, film, off_deg, rendered, texture, turned
+from tests.tracker.camera_cases import SMALL, off_deg, rendered, texture, turned
 
 LENS = Lens.of(SMALL)
 
@@ -72,7 +72,7 @@ def test_the_slope_is_the_derivative() -> None:
 
 
 def chain(count: int, drift: Array) -> tuple[list[Turn], list[Edge]]:
-    """Anchors that turn by 5° each, with edges that are each off by a drift (3,)."""
+    """Keyframes that turn by 5° each, with edges that are each off by a drift (3,)."""
     turns, edges = [Turn.none()], []
     for k in range(count - 1):
         step = Turn(exp_rotation(drift) @ turned(5.0), 1.0)
@@ -83,9 +83,9 @@ def chain(count: int, drift: Array) -> tuple[list[Turn], list[Edge]]:
 
 def test_a_camera_that_comes_back_spreads_its_drift() -> None:
     turns, edges = chain(7, np.radians([0.0, 0.1, 0.05]))
-    edges.append(Edge(0, 6, Turn(turned(30.0), 1.0), np.eye(4) * 1e10, returns=True))
+    edges.append(Edge(0, 6, Turn(turned(30.0), 1.0), np.eye(4) * 1e10, closes_loop=True))
     off = off_deg(
-        np.stack([turn.R for turn in agreed(turns, edges)]), [turned(5.0 * k) for k in range(7)]
+        np.stack([turn.R for turn in optimised(turns, edges)]), [turned(5.0 * k) for k in range(7)]
     )
     assert off.max() < 0.02
     assert off_deg(np.stack([t.R for t in turns]), [turned(5.0 * k) for k in range(7)])[-1] > 0.6
@@ -93,9 +93,9 @@ def test_a_camera_that_comes_back_spreads_its_drift() -> None:
 
 def test_a_false_return_loses_its_weight() -> None:
     turns, edges = chain(7, np.zeros(3))
-    edges.append(Edge(0, 6, Turn(turned(10.0), 1.0), np.eye(4) * 1e6, returns=True))
+    edges.append(Edge(0, 6, Turn(turned(10.0), 1.0), np.eye(4) * 1e6, closes_loop=True))
     off = off_deg(
-        np.stack([turn.R for turn in agreed(turns, edges)]), [turned(5.0 * k) for k in range(7)]
+        np.stack([turn.R for turn in optimised(turns, edges)]), [turned(5.0 * k) for k in range(7)]
     )
     assert off.max() < 0.05
 
@@ -110,7 +110,7 @@ def still_turns(count: int, known: list[int] | None = None) -> Turns:
 
 def test_gaps_are_bridged_and_ends_held() -> None:
     turns = still_turns(12, known=[3, 4, 9])
-    path = bridged(turns)
+    path = turns.bridged()
     assert (path.R[:3] == turns.R[3]).all()
     assert (path.R[10:] == turns.R[9]).all()
     assert off_deg(path.R[4:10], list(turns.R[4:10])).max() < 1e-6
@@ -145,31 +145,15 @@ def test_too_few_matches_are_refused(one: list[list[float]], other: list[list[fl
         rotation_from_matches(np.array(one), np.array(other), SMALL)
 
 
-def test_points_are_followed_without_a_motion_known() -> None:
-    rotations = [turned(0.2 * k) for k in range(12)]
-    masked = np.ones((180, 320), bool)
-    masked[:, :100] = False
-    pictures = film(SMALL, rotations)
-    frames = list(follow(pictures, 320, 180, lambda frame: masked))
-    first, last = frames[0], frames[-1]
-    assert len(np.unique(last.ids)) == len(last.ids) > 80
-    assert (last.uv[last.found][:, 0] > 99).all()
-    ids, at, then = np.intersect1d(first.ids, last.ids[last.found], return_indices=True)
-    assert len(ids) > 60
-    rays = LENS.directions(first.uv[at], 1.0)
-    expected = LENS.pixels(rays @ rotations[-1].T, 1.0)
-    assert np.median(np.linalg.norm(last.uv[last.found][then] - expected, axis=1)) < 0.15
-
-
 def test_landmarks_are_found_in_a_turned_and_zoomed_picture() -> None:
     R, zoom = turned(3, 1, 12), 1.2
     one, other = rendered(SMALL, np.eye(3)), rendered(SMALL, R, zoom)
     follower = PointFollower(320, 180)
     follower.look(one)
-    anchor = follower.pick(None, np.zeros(0, np.int64), np.zeros((0, 2)))
-    marks = Landmarks()
-    marks.keep(one, 0, anchor.ids, anchor.uv, anchor.uv)
-    rays = LENS.directions(anchor.uv, 1.0)
+    keyframe = follower.pick(None, np.zeros(0, np.int64), np.zeros((0, 2)))
+    marks = Patches()
+    marks.keep(one, 0, keyframe.ids, keyframe.uv, keyframe.uv)
+    rays = LENS.directions(keyframe.uv, 1.0)
     true = LENS.pixels(rays @ R.T, zoom)
     inside = ((true > 24) & (true < (295, 155))).all(axis=1)
     warps = np.broadcast_to(zoom * R[:2, :2], (inside.sum(), 2, 2))
@@ -180,13 +164,13 @@ def test_landmarks_are_found_in_a_turned_and_zoomed_picture() -> None:
 
 
 def test_no_more_landmarks_are_kept_than_memory_has_room_for() -> None:
-    marks, picture = Landmarks(), texture(0, 100, 100)
-    for home in range(6):
-        ids = np.arange(home * 4000, (home + 1) * 4000)
+    marks, picture = Patches(), texture(0, 100, 100)
+    for anchor in range(6):
+        ids = np.arange(anchor * 4000, (anchor + 1) * 4000)
         uv = np.full((4000, 2), 50.0)
-        marks.keep(picture, home, ids, uv, uv)
+        marks.keep(picture, anchor, ids, uv, uv)
         assert len(marks) <= MOST_KEPT
-    assert set(marks.home.tolist()) == set(range(6))
+    assert set(marks.anchor.tolist()) == set(range(6))
 
 
 def test_of_many_frames_each_keeps_its_own_points() -> None:
@@ -201,4 +185,4 @@ def test_of_many_frames_each_keeps_its_own_points() -> None:
         assert (there == uv).all()
         assert (good == (frame % 2 == 0)).all()
     assert (measurements.error_px == np.arange(900)).all()
-    assert (measurements.anchor == np.arange(900) // 9).all()
+    assert (measurements.keyframe == np.arange(900) // 9).all()
