@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 READMES = [
     *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md")),
     *(ROOT / folder / "README.md" for folder in ("app", "tracker", "static", "tests")),
+    ROOT / "tracker" / "camera_motion" / "README.md",
 ]
 LARGEST_GALLERY_BYTES = 600_000
 MOST_WORDS = 980  # of the first page a newcomer reads, the table of its accuracy among them
@@ -57,6 +58,13 @@ def test_its_map_names_every_package_with_the_first_sentence_of_what_it_is(top: 
     }
     modules = {name: ROOT / top / name for name in rooms if name.endswith(".py")}
     assert rooms == {name: _first_sentence(path) for name, path in (packages | modules).items()}
+
+
+def test_the_one_of_the_cameras_motion_has_a_place_for_each_of_its_files() -> None:
+    package = ROOT / "tracker" / "camera_motion"
+    named = set(re.findall(r"`(\w+\.py)`", (package / "README.md").read_text("utf-8")))
+    files = {path.name for path in package.glob("*.py")} - {"__init__.py"}
+    assert files - named == set()
 
 
 def _first_sentence(path: Path) -> str:
