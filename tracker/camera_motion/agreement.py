@@ -31,7 +31,9 @@ MOST: Final = 80
 RIGID_SHARE: Final = {"turns": 0.6, "moves": 0.75}
 """Share of the points that move as one, as before a camera that turns or that goes somewhere."""
 RIGID_PX: Final = 1.5
+"""Within which a point moves as one with others."""
 FEWEST_PAIRS: Final = 2
+"""That tell anything of a camera."""
 USUAL_PERCENT: Final = 75
 """Of the pairs' errors the one that is said: a camera that is wrong is so where it moves."""
 
@@ -63,10 +65,14 @@ def followed_pairs(
 ) -> list[Pair]:
     """Points that were followed over some spans of a film, from the first frame of each on.
 
-    pictures: (number, picture) from a frame to before another one, at a step.
+    Args:
+        pictures: (number, picture) from a frame to before another one, at a step.
+        size: width and height of the pictures.
+        spans: first and last frames.
+        background: of a frame, the pixels (H, W) that may be background; None for all.
     """
-    found = (_followed(pictures(a, b + 1, STEP), size, background) for a, b in spans)
-    return [pair for pairs in found for pair in pairs]
+    followed = (_followed(pictures(a, b + 1, STEP), size, background) for a, b in spans)
+    return [pair for pairs in followed for pair in pairs]
 
 
 def _followed(
@@ -74,8 +80,8 @@ def _followed(
 ) -> list[Pair]:
     """The pairs of the first picture with one that is half as far as the last, and with the last
     in which enough of its points are seen."""
-    follower = PointFollower(*size)
-    seen: list[tuple[int, Array, NDArray[np.bool_]]] = []
+    follower = PointFollower(width=size[0], height=size[1])
+    tracked: list[tuple[int, Array, NDArray[np.bool_]]] = []
     first = -1
     for number, picture in pictures:
         if picture is None or picture.shape != (size[1], size[0]):
@@ -88,19 +94,19 @@ def _followed(
             if len(start) < FEWEST:
                 return []
             continue
-        uv, found = follower.refine(rough, background(number))
-        if found.sum() < FEWEST:
+        uv, is_found = follower.refine(rough, background(number))
+        if is_found.sum() < FEWEST:
             break
-        seen.append((number, uv, found))
-    if not seen:
+        tracked.append((number, uv, is_found))
+    if not tracked:
         return []
-    chosen = [seen[-1]] if len(seen) < 2 else [seen[len(seen) // 2 - 1], seen[-1]]
-    pairs = (_pair(first, number, start[ok], uv[ok]) for number, uv, ok in chosen)
+    chosen = [tracked[-1]] if len(tracked) < 2 else [tracked[len(tracked) // 2 - 1], tracked[-1]]
+    pairs = (_pair((first, number), start[ok], uv[ok]) for number, uv, ok in chosen)
     return [pair for pair in pairs if pair is not None]
 
 
-def _pair(one: int, other: int, uv_one: Array, uv_other: Array) -> Pair | None:
-    """The points that move as one; None where too few do."""
+def _pair(frames: tuple[int, int], uv_one: Array, uv_other: Array) -> Pair | None:
+    """The points (K, 2) of two frames that move as one; None where too few do."""
     cv2.setRNGSeed(0)  # the same pictures tell the same
     _, flat = cv2.findHomography(uv_one, uv_other, cv2.RANSAC, RIGID_PX)
     cv2.setRNGSeed(0)
@@ -111,7 +117,7 @@ def _pair(one: int, other: int, uv_one: Array, uv_other: Array) -> Pair | None:
         if good.sum() >= FEWEST and good.mean() >= RIGID_SHARE[kind]:
             rows = np.flatnonzero(good)
             rows = rows[np.linspace(0, len(rows) - 1, min(MOST, len(rows))).astype(int)]
-            return Pair(one, other, uv_one[rows], uv_other[rows], kind)
+            return Pair(frames[0], frames[1], uv_one[rows], uv_other[rows], kind)
     return None
 
 
@@ -126,13 +132,20 @@ def error_px(pairs: Sequence[Pair], camera: Camera, path: CameraPath) -> float |
         for k, pair in enumerate(pairs)
         if pair.kind == "turns" or path.moves
     ]
-    known = [error for error in errors if np.isfinite(error)]
-    return None if len(known) < FEWEST_PAIRS else float(np.percentile(known, USUAL_PERCENT))
+    finite = [error for error in errors if np.isfinite(error)]
+    return None if len(finite) < FEWEST_PAIRS else float(np.percentile(finite, USUAL_PERCENT))
 
 
 def _error(pair: Pair, camera: Camera, path: CameraPath, row: int) -> float:
     """The usual distance of the points of a pair from where the camera shows them, pixels; of one
-    that goes somewhere, each at the distance that suits it best."""
+    that goes somewhere, each at the distance that suits it best.
+
+    Args:
+        pair: the points.
+        camera: its lens at zoom 1.
+        path: of the camera.
+        row: of the path at which the pair's one frame is; the other's follows.
+    """
     lens = Lens.of(camera)
     zoom_one, zoom_other = (float(z) for z in path.zoom[row : row + 2])
     T_one, T_other = path.Ts_camera_world[row : row + 2]

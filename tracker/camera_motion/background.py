@@ -25,6 +25,7 @@ MARGIN_SHARE: Final = 0.06
 FARTHEST_FRAMES: Final = 60
 """From a pose that is known, beyond which nobody says where the body is."""
 WIDEST_PX: Final = 1e4
+"""To which what lies far outside the picture is brought, so that OpenCV can draw it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +74,10 @@ class BodyBackground:
             return self.poses[min(around, key=lambda f: abs(f - frame))]
         first, last = around
         share = (frame - first) / (last - first)
-        pose, other = self.poses[first], self.poses[last]
-        Rs = rotation_between(pose.Rs_parent_part, other.Rs_parent_part, np.array([share]))[0]
-        return Pose(Rs, pose.p_camera_root + share * (other.p_camera_root - pose.p_camera_root))
+        before, after = self.poses[first], self.poses[last]
+        Rs = rotation_between(before.Rs_parent_part, after.Rs_parent_part, np.array([share]))[0]
+        p = before.p_camera_root + share * (after.p_camera_root - before.p_camera_root)
+        return Pose(Rs, p)
 
     def _cover(self, covered: NDArray[np.uint8], pose: Pose, camera: Camera) -> None:
         outlines = [uv for uv in self._outlines(pose, camera) if len(uv) > 2]
@@ -90,9 +92,9 @@ class BodyBackground:
 
     def _outlines(self, pose: Pose, camera: Camera) -> list[Array]:
         """Pixels (K, 2) of every part's corners."""
-        Ts, found = pose_transforms(self.skeleton, pose), []
+        Ts, outlines = pose_transforms(self.skeleton, pose), []
         for T, part in zip(Ts, self.skeleton.body.parts, strict=True):
             p = apply_transform(T, part.shape.mesh().vertices)
             if p[:, 2].min() > NEAREST_M:
-                found.append(np.clip(camera.project(p), -WIDEST_PX, WIDEST_PX))
-        return found
+                outlines.append(np.clip(camera.project(p), -WIDEST_PX, WIDEST_PX))
+        return outlines

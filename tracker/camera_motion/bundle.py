@@ -1,11 +1,11 @@
-"""Adjust where a camera was in several pictures, and how far all points are, in one solve.
+"""Bundle adjustment: where a camera was in several views, and how far all points are, in one solve.
 
-A point lies along the ray by which it was first seen, its *anchor*, at an inverse depth: 0 is
-infinitely far, so that a point whose depth nothing tells yet is as good as any. What is minimised
-are the distances between where points are seen and where they should be, in standard deviations,
-weighed by Cauchy's kernel; depths are eliminated exactly (Schur), one number each.
+A point lies at an inverse depth along its ray in its *anchor*, the view in which it was first seen:
+0 is infinitely far, so that a point whose depth nothing tells yet is as good as any. What is
+minimised are the distances between where points are seen and where they should be, in standard
+deviations, weighed by Cauchy's kernel; depths are eliminated exactly (Schur), one number each.
 
-Places in pictures are x/z and y/z. Lengths have one unit, whichever it is.
+Where points are seen is x/z and y/z. Lengths have one unit, whichever it is.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ from keypose.tracker.solver.robust import Cauchy
 Indices = NDArray[np.int64]
 
 KERNEL = Cauchy(2.0)
-"""Of where points are seen, standard deviations."""
+"""Of residuals, standard deviations."""
 FARTHEST = 1e3
 """Standard deviations that the cost tells apart: so is that of a point behind a camera finite."""
 LEAST_DEPTH = 1e-3
-"""Of a point before the camera, in depths of its anchor."""
+"""Of a point before the camera, its depth at its anchor the unit."""
 DENSE = 24
-"""With more pictures that may move, the equations are kept sparse."""
+"""Views that may move, with more of which the equations are kept sparse."""
 MOST_AT_ONCE = 20_000
-"""Places whose slopes are held at a time."""
+"""Observations whose slopes are in memory at a time."""
 ADJUSTING = Criteria(most_tries=4, gain=1e-4, damping=Damping(first=1e-4, easier=5.0))
-"""Of an adjustment, from near by."""
+"""Of an adjustment from near by, which a hundredth of a percent of the cost ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """V pictures, P points, N places at which points are seen, without those of their anchors.
+    """V views, P points, N observations of points, without those in their anchors.
 
     Ts: (V, 4, 4) camera from world.  free: (V,), the others stay as they are.
-    anchor: (P,) pictures.  rays: (P, 2) places there.  depths: (P,) inverse.
+    anchor: (P,) views.  rays: (P, 2) where points are seen there.  depths: (P,) inverse.
     mean, spread: (P,) of the depths, before anything is seen.
-    view, point: (N,) indices.  xy: (N, 2).  noise: standard deviation of a place.
+    view, point: (N,) indices.  xy: (N, 2) as x/z and y/z.  noise: standard deviation of an xy.
     """
 
     Ts: Array
@@ -62,7 +62,7 @@ class Bundle:
     noise: float
 
     def only(self, rows: Indices) -> Bundle:
-        """The same with some of the places."""
+        """The same with some of the observations."""
         return replace(self, view=self.view[rows], point=self.point[rows], xy=self.xy[rows])
 
 
@@ -87,7 +87,7 @@ def cost_of(bundle: Bundle) -> float:
 
 
 def relative(bundle: Bundle) -> Array:
-    """Where points are in the pictures that see them (N, 3), their depth at anchor the unit."""
+    """Where points are in the views that see them (N, 3), their depth at anchor the unit."""
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
     anchor, depth = bundle.anchor, bundle.depths[:, None]
     b = np.concatenate([bundle.rays, np.ones((len(anchor), 1))], axis=1)
@@ -107,9 +107,9 @@ def _misses(bundle: Bundle) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class _Batch:
-    """Some of the places, few enough to have their slopes in memory at a time.
+    """Some of the observations, few enough to have their slopes in memory.
 
-    rows: sorted by the slots of picture and anchor.  pairs (R, 2): slots that occur together, and
+    rows: sorted by the slots of view and anchor.  pairs (R, 2): slots that occur together, and
     starts (R,): where in the rows each pair begins.
     """
 
@@ -120,10 +120,10 @@ class _Batch:
 
 @dataclass(frozen=True, eq=False)
 class _Layout:
-    """Where in the equations a bundle's pictures stand: M of them may move, and one more slot is
+    """Where in the equations a bundle's views stand: M of them may move, and one more slot is
     for all others.
 
-    slot: (V,) of each picture.
+    slot: (V,) of each view.
     """
 
     slot: Indices
@@ -182,7 +182,7 @@ class _Layout:
         return H, g[:m].ravel()
 
     def _cross(self, part: Bundle, both: Array) -> tuple[Indices, Indices, Array]:
-        """Rows, columns and values of E (P, 6M) from (N, 12), of the picture and of the anchor."""
+        """Rows, columns and values of E (P, 6M) from (N, 12), of the view and of the anchor."""
         slots = np.concatenate([self.slot[part.view], self.slot[part.anchor[part.point]]])
         points = np.concatenate([part.point, part.point])
         kept = slots < self.count
@@ -193,7 +193,12 @@ class _Layout:
     def _matrix(
         self, rows: Indices, columns: Indices, values: Array, height: int
     ) -> Array | sparse.csr_array:
-        """(height, 6M), what has one place summed."""
+        """(height, 6M), what has one place summed.
+
+        Args:
+            rows, columns, values: (Z,) of each entry.
+            height: of the matrix.
+        """
         width = 6 * self.count
         if self.count > DENSE:
             return sparse.csr_array((values, (rows, columns)), shape=(height, width))
@@ -203,7 +208,7 @@ class _Layout:
 
 @dataclass(frozen=True, eq=False)
 class _Equations:
-    """Normal equations: H (6M, 6M) and g (6M,) of the pictures that may move, H_depth and g_depth
+    """Normal equations: H (6M, 6M) and g (6M,) of the views that may move, H_depth and g_depth
     (P,) of the points, E (P, 6M) between these.
     """
 
@@ -214,7 +219,7 @@ class _Equations:
     g_depth: Array
 
     def step(self, damping: float) -> Array:
-        """The damped step (6M + P,): first the pictures, the depths eliminated, then these."""
+        """The damped step (6M + P,): first the views, the depths eliminated, then these."""
         inverse = 1 / (self.H_depth * (1 + damping))
         g = self.g - self.E.T @ (inverse * self.g_depth)
         more = damping * self.H.diagonal() + 1e-9
@@ -248,7 +253,7 @@ class _Adjusted:
 
 @dataclass(frozen=True, eq=False)
 class _Adjustment(Problem[Bundle, _Adjusted]):
-    """All pictures that may move, and all depths."""
+    """All views that may move, and all depths."""
 
     layout: _Layout
 
@@ -256,9 +261,9 @@ class _Adjustment(Problem[Bundle, _Adjusted]):
         return _Adjusted(state, self.layout)
 
     def moved(self, state: Bundle, step: Array) -> Bundle:
-        of_pictures, of_depths = np.split(step, [6 * self.layout.count])
+        of_views, of_depths = np.split(step, [6 * self.layout.count])
         Ts = state.Ts.copy()
-        Ts[state.free] = nudged(Ts[state.free], of_pictures.reshape(-1, 6))
+        Ts[state.free] = nudged(Ts[state.free], of_views.reshape(-1, 6))
         return replace(state, Ts=Ts, depths=state.depths + of_depths)
 
 
@@ -272,7 +277,7 @@ def nudged(Ts: Array, steps: Array) -> Array:
 
 
 def _slopes(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
-    """Slopes (N, 2, 12) of the residuals by picture and anchor, (N, 2) by depth, the residuals
+    """Slopes (N, 2, 12) of the residuals by view and anchor, (N, 2) by depth, the residuals
     (N, 2) and the weights (N,).
     """
     Y, (miss, length) = relative(bundle), _misses(bundle)

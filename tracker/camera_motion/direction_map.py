@@ -18,7 +18,7 @@ from keypose.tracker.camera_motion.patches import BORDER_PX, Patches
 from keypose.tracker.camera_motion.points import KeyframePicture, Mask, PointFollower
 from keypose.tracker.camera_motion.pose_graph import Edge, optimised
 from keypose.tracker.camera_motion.shutter import Shutter
-from keypose.tracker.camera_motion.turn import Turn, solve_turn
+from keypose.tracker.camera_motion.turn import SeenDirections, Turn, solve_turn
 from keypose.tracker.geometry.rotations import Array
 
 SYSTEMATIC_PX = 0.03
@@ -124,7 +124,8 @@ class DirectionMap:
         world = self._world(chosen, marks.uv[chosen])
         straight = self.shutter.straightened(self.lens, uv, turn.zoom, rate)
         observed = self.lens.flat(straight, turn.zoom)
-        solved = solve_turn(world, observed, self.focal_px, np.ones(len(uv)), [turn])
+        points = SeenDirections.trusted(world, observed, self.focal_px)
+        solved = solve_turn(points, [turn])
         if solved is None or solved.agreeing < max(FEWEST_RETURNED, RETURNED_SHARE * len(chosen)):
             return turn, *none
         chosen, uv, straight = chosen[solved.agrees], uv[solved.agrees], straight[solved.agrees]
@@ -165,17 +166,32 @@ class DirectionMap:
         return directions
 
     def _expected(self, chosen: NDArray[np.int64], uv: Array, turn: Turn, rate: Array) -> Array:
-        """Where (K, 2) a camera turned so, at a rate, shows pixels (K, 2) of landmarks' anchors."""
+        """Where the camera shows places of landmarks' anchors, pixels of the film (K, 2).
+
+        Args:
+            chosen: (K,) rows of the landmarks.
+            uv: (K, 2) pixels of their anchors.
+            turn: of the camera, from the world.
+            rate: (3,) how fast it turns, radians a frame.
+        """
         there = self.lens.pixels(turn.rotated(self._world(chosen, uv)), turn.zoom)
         return self.shutter.sheared(self.lens, there, turn.zoom, rate)
 
     def _close(self, anchor: int, chosen: NDArray[np.int64], uv: Array, turn: Turn) -> None:
-        """Tie to the anchor of some landmarks, seen at (K, 2), where these tell the turn."""
+        """Tie the keyframe that is about to be added to an older one, where that holds.
+
+        Args:
+            anchor: number of the older one.
+            chosen: (K,) rows of landmarks that were picked in it.
+            uv: (K, 2) where they are seen now, pixels of the film, straightened.
+            turn: of the camera now, from the world.
+        """
         begin = self.turns[anchor]
         directions = self.lens.directions(self.landmarks.uv[chosen], begin.zoom)
         observed = self.lens.flat(uv, turn.zoom) / begin.zoom
         focal_px, start = self.focal_px * begin.zoom, begin.inverse().then(turn)
-        solved = solve_turn(directions, observed, focal_px, np.ones(len(observed)), [start])
+        points = SeenDirections.trusted(directions, observed, focal_px)
+        solved = solve_turn(points, [start])
         if solved is None or solved.agreeing < FEWEST_RETURNED:
             return
         doubt = solved.covariance(SYSTEMATIC_PX / focal_px)

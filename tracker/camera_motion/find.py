@@ -133,6 +133,14 @@ def _without_zoom(turns: Turns) -> Turns:
 def _kind(
     turns: Turns, camera: Camera, odometry: TurningOdometry, focal: FocalScale | None
 ) -> CameraKind:
+    """How the camera moves, by how far its turning went and by the points that it leaves aside.
+
+    Args:
+        turns: of all frames.
+        camera: its lens.
+        odometry: that measured them.
+        focal: the focal length that the turns tell; None where they do not.
+    """
     # a wrong focal length leaves points aside as well
     aside = min(_aside(odometry.summaries), 1.0 if focal is None else focal.aside)
     ways_px = _ways(turns, camera) * odometry.scale
@@ -171,6 +179,16 @@ def _findings(
     shutter: Shutter,
     faded: NDArray[np.bool_],
 ) -> list[Finding]:
+    """What is doubtful, in the order of frames.
+
+    Args:
+        measured: all frames.
+        cuts: first frames after a cut.
+        known: (N,) at which frames the camera is known.
+        kind: how it moves.
+        shutter: what was learned of its readout.
+        faded: (N,) which pictures are faint, or fade.
+    """
     causes = ["" if k else c or "no_texture" for c, k in zip(measured.causes, known, strict=True)]
     causes = [
         "no_texture" if f and c == "not_rigid" else c for c, f in zip(causes, faded, strict=True)
@@ -181,7 +199,7 @@ def _findings(
     shares = measured.share[known]
     if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
         findings.append(Finding("not_rigid", 0, last, 1 - share))
-    readout = shutter.found()
+    readout = shutter.reported()
     if kind != "static" and readout is not None:
         findings.append(Finding("rolling_shutter", 0, last, readout if kind == "turns" else 0.0))
     return sorted(findings, key=lambda finding: finding.first_frame)

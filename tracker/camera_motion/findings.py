@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from keypose.tracker.geometry.rotations import Array
 
 Kind: TypeAlias = Literal[
     "no_texture", "body_fills", "cut", "not_rigid", "no_picture", "rolling_shutter", "no_parallax"
@@ -53,6 +56,8 @@ FAINT_GREY = 4.0
 """Standard deviation of the grey levels of a picture in which compression leaves nothing else."""
 EVERY = 5
 """Rows and columns of which one is enough for the contrast."""
+LITTLE = (32, 18)
+"""Width and height of the pictures whose likeness is asked."""
 
 
 def contrast_of(picture: NDArray[np.uint8]) -> float:
@@ -71,6 +76,24 @@ def are_faded(contrasts: NDArray[np.float64]) -> NDArray[np.bool_]:
     faded[NEAR:] |= changes
     faded[: len(changes)] |= changes
     return np.asarray(faded)
+
+
+class Likeness:
+    """How much each picture is like the one before: it falls where the film is cut."""
+
+    def __init__(self) -> None:
+        self._before: Array | None = None
+
+    def of(self, picture: NDArray[np.uint8] | None) -> float:
+        """The correlation of the next picture with the one before, both very small; 1 of the
+        first one."""
+        assert picture is not None
+        little = cv2.resize(picture, LITTLE, interpolation=cv2.INTER_AREA).astype(float).ravel()
+        before, self._before = self._before, little - little.mean()
+        if before is None:
+            return 1.0
+        power = np.sqrt((before @ before) * (self._before @ self._before))
+        return float(before @ self._before / power) if power > 1e-9 else 1.0
 
 
 def scenes(

@@ -23,7 +23,7 @@ import numpy as np
 from keypose.tracker.camera_motion.bundle import Bundle, adjusted, away, cost_of
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.point_map import PointMap
-from keypose.tracker.camera_motion.turn import Solved, Turn, solve_turn
+from keypose.tracker.camera_motion.turn import SeenDirections, Solved, Turn, solve_turn
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.robust import GemanMcClure
 
@@ -90,15 +90,15 @@ def focal_scale(lens: Lens, look: float, pairs: Sequence[Pair]) -> FocalScale | 
     chosen = sorted((p for p in pairs if p.away >= LEAST_AWAY), key=lambda p: -p.away)[:MOST_PAIRS]
     if not chosen:
         return None
-    near = GRID
+    looked, near = _Looked(lens, look), GRID
     for reach in (*NEARER, 0.0):
-        costs = np.stack([_costs(lens, look, pair, near) for pair in chosen])
+        costs = np.stack([_costs(looked, pair, near) for pair in chosen])
         best = near[costs.sum(axis=0).argmin()]
         if best in (GRID[0], GRID[-1]):
             return None
         if reach:
             near = best + np.linspace(-reach, reach, 5)
-    noise = [_noise(lens, look, pair, best) for pair in chosen]
+    noise = [_noise(looked, pair, best) for pair in chosen]
     costs = costs * (NOISE_PX / np.array(noise))[:, None] ** 2
     least = _least(near, costs.sum(axis=0))
     if least is None:
@@ -106,39 +106,47 @@ def focal_scale(lens: Lens, look: float, pairs: Sequence[Pair]) -> FocalScale | 
     at, sigma = least[0], max(least[1], _by_leaving_out(near, costs, least[0]))
     if sigma > MOST_DOUBT:
         return None
-    left = np.concatenate([_left(lens, look, pair, at) for pair in chosen])
+    left = np.concatenate([_left(looked, pair, at) for pair in chosen])
     return FocalScale(float(np.exp(at)), sigma, float((left > ASIDE_PX).mean()))
 
 
-def _costs(lens: Lens, look: float, pair: Pair, logs: Array) -> Array:
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """A lens, and from pixels of its film to those looked at."""
+
+    lens: Lens
+    scale: float
+
+
+def _costs(lens: _Looked, pair: Pair, logs: Array) -> Array:
     """The costs of focal lengths' logarithms, all of one scale, so that they are smooth."""
-    left = np.stack([_left(lens, look, pair, log) for log in logs])
+    left = np.stack([_left(lens, pair, log) for log in logs])
     return np.asarray((GemanMcClure(NOISE_PX).loss(left) / NOISE_PX**2).sum(axis=1))
 
 
-def _noise(lens: Lens, look: float, pair: Pair, log: float) -> float:
+def _noise(lens: _Looked, pair: Pair, log: float) -> float:
     """The standard deviation of what a focal length leaves of its points, pixels looked at."""
-    solved = _solved(lens, look, pair, log)
+    solved = _solved(lens, pair, log)
     return NOISE_PX if solved is None else max(NOISE_PX / 2, solved.noise_px)
 
 
-def _left(lens: Lens, look: float, pair: Pair, log: float) -> Array:
+def _left(lens: _Looked, pair: Pair, log: float) -> Array:
     """What a focal length leaves of each point (K,), pixels looked at; much where it explains
     none."""
-    solved = _solved(lens, look, pair, log)
+    solved = _solved(lens, pair, log)
     if solved is None:
         return np.full(len(pair.uv), MUCH_PX)
     return np.asarray(np.linalg.norm(solved.residual_px, axis=1))
 
 
-def _solved(lens: Lens, look: float, pair: Pair, log: float) -> Solved | None:
+def _solved(lens: _Looked, pair: Pair, log: float) -> Solved | None:
     """The turn between a pair, were the lens so many times as long."""
-    tried, (zoom, zoom_later) = lens.scaled(float(np.exp(log))), pair.zooms
+    tried, (zoom, zoom_later) = lens.lens.scaled(float(np.exp(log))), pair.zooms
     directions = tried.directions(pair.uv, zoom)
     observed = tried.flat(pair.uv_later, zoom_later) / zoom
     start = [Turn(np.eye(3), zoom_later / zoom)]
-    focal_px = tried.focal_px * look * zoom
-    return solve_turn(directions, observed, focal_px, np.ones(len(observed)), start)
+    focal_px = tried.focal_px * lens.scale * zoom
+    return solve_turn(SeenDirections.trusted(directions, observed, focal_px), start)
 
 
 def _least(logs: Array, costs: Array) -> tuple[float, float] | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from keypose.tracker.camera_motion.lens import Lens
-from keypose.tracker.camera_motion.turn import Turn, linearised
+from keypose.tracker.camera_motion.turn import SeenDirections, Turn, linearised
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
@@ -16,7 +16,9 @@ from keypose.tracker.solver.gauss_newton import GAUSS_NEWTON, gauss_newton
 CRITERIA = replace(GAUSS_NEWTON, most_steps=20, settled=1e-10, longest_step=0.3)
 """From any turn that two frames of one film can have between them, to the last digits."""
 FEWEST = 2
-FEWEST_APART_PX = 4.0
+"""Points that tell a turn and a zoom: each has two coordinates."""
+LEAST_APART_PX = 4.0
+"""Along the picture's longer way between points; closer ones tell no roll."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,23 +35,30 @@ class Matched:
 def rotation_from_matches(
     uv_one: Array, uv_other: Array, camera: Camera, zoom: float = 1.0, zooms: bool = True
 ) -> Matched:
-    """Find how the camera was turned from one frame to another in which the same points of the
-    background were marked, pixels (K, 2) of each.
+    """Find how the camera was turned from one frame to another by points that are marked in both.
 
-    zoom: of the first frame.  zooms: whether the other may have another. Two points or more,
-    not at one place; CameraError otherwise, or where no turn explains them.
+    Args:
+        uv_one: (K, 2) pixels of points of the background in the one frame.
+        uv_other: (K, 2) pixels of the same points in the other.
+        camera: its lens at zoom 1.
+        zoom: of the one frame.
+        zooms: whether the other may have another zoom.
+
+    Raises:
+        CameraError: with fewer than two points, where they lie at one place, or where no turn
+            explains them.
     """
-    one, other = (np.asarray(uv, dtype=float).reshape(-1, 2) for uv in (uv_one, uv_other))
-    if len(one) != len(other) or len(one) < FEWEST:
+    uv_one, uv_other = (np.asarray(uv, dtype=float).reshape(-1, 2) for uv in (uv_one, uv_other))
+    if len(uv_one) != len(uv_other) or len(uv_one) < FEWEST:
         raise CameraError("Mark at least two points of the background in both frames.")
-    if min(np.ptp(uv, axis=0).max() for uv in (one, other)) < FEWEST_APART_PX:
+    if min(np.ptp(uv, axis=0).max() for uv in (uv_one, uv_other)) < LEAST_APART_PX:
         raise CameraError("The marked points lie in one place: mark points that are farther apart.")
     lens, unknowns = Lens.of(camera), 4 if zooms else 3
-    directions = lens.directions(one, zoom)
+    directions = lens.directions(uv_one, zoom)
 
     def linearised_at(turn: Turn) -> tuple[Array, Array]:
-        seen = lens.flat(other, zoom * turn.zoom) / zoom
-        return linearised(turn, directions, seen, lens.focal_px * zoom)
+        xy = lens.flat(uv_other, zoom * turn.zoom) / zoom
+        return linearised(turn, SeenDirections.trusted(directions, xy, lens.focal_px * zoom))
 
     def step(turn: Turn, count: int) -> Array:  # noqa: ARG001
         residual, J = linearised_at(turn)

@@ -5,14 +5,14 @@ points, and put it together to the turns of all frames.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.path import Turns, turns_through
 from keypose.tracker.camera_motion.turn import Turn
-from keypose.tracker.camera_motion.turning_odometry import Measured
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 
 GROWTH = 1.5
@@ -20,17 +20,48 @@ GROWTH = 1.5
 TOGETHER = 256
 """Frames whose points are put into one array at a time."""
 
-_R = slice(0, 9)
-_ZOOM = 9
-_VARIANCE = slice(10, 12)
-_LEVER = slice(12, 20)
-_READOUT = slice(20, 22)
-_KEYFRAME = 22
-_KNOWN = 23
-_ERROR = 24
-_SHARE = 25
-_COLUMNS = 26
-"""Where in a row of measurements what stands."""
+_ROW = np.dtype(
+    [
+        ("R", float, (3, 3)),
+        ("log_zoom", float),
+        ("variance", float, (2,)),  # of the turn about an axis, and of log_zoom
+        ("lever", float, (4, 2)),
+        ("readout", float, (2,)),
+        ("keyframe", np.int64),
+        ("known", np.bool_),
+        ("error_px", float),
+        ("share", float),
+    ]
+)
+"""What is kept of a frame, see `Measured`."""
+
+
+Cause: TypeAlias = Literal["", "no_texture", "body_fills", "cut", "not_rigid", "no_picture"]
+"""Why the camera is unknown at a frame; nothing where it is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """One frame, from its keyframe.
+
+    turn: from the keyframe's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
+    the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points tracked.
+    share: of the points followed from the frame before, or of those in view, those that moved
+    alike, whichever is more.  lever (4, 2): how the turn and the logarithm of the zoom follow the
+    readout, of which `readout` (2,) was used.
+    """
+
+    keyframe: int
+    turn: Turn
+    known: bool
+    cause: Cause
+    covariance: Array
+    error_px: float
+    uv: NDArray[np.float32]
+    good: NDArray[np.bool_]
+    share: float = 1.0
+    lever: Array = field(default_factory=lambda: np.zeros((4, 2)))
+    readout: Array = field(default_factory=lambda: np.zeros(2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +86,7 @@ class Measurements:
     """The frames of a film in order."""
 
     def __init__(self) -> None:
-        self._rows = np.empty((TOGETHER, _COLUMNS))
+        self._rows = np.empty(TOGETHER, _ROW)
         self._uv: list[NDArray[np.float32]] = [np.zeros((0, 2), np.float32)]
         self._good: list[NDArray[np.bool_]] = [np.zeros(0, bool)]
         self._counts: list[int] = []
@@ -68,15 +99,21 @@ class Measurements:
         """Take the next frame."""
         number = len(self)
         if number == len(self._rows):
-            grown = np.empty((int(number * GROWTH), _COLUMNS))
+            grown = np.empty(int(number * GROWTH), _ROW)
             grown[:number] = self._rows
             self._rows = grown
-        row, variance = self._rows[number], np.diag(measured.covariance)
-        row[_R], row[_ZOOM] = measured.turn.R.ravel(), np.log(measured.turn.zoom)
-        row[_VARIANCE] = variance[:3].mean(), variance[3]
-        row[_LEVER], row[_READOUT] = measured.lever.ravel(), measured.readout
-        row[_KEYFRAME], row[_KNOWN] = measured.keyframe, measured.known
-        row[_ERROR], row[_SHARE] = measured.error_px, measured.share
+        variance = np.diag(measured.covariance)
+        self._rows[number] = (
+            measured.turn.R,
+            np.log(measured.turn.zoom),
+            (variance[:3].mean(), variance[3]),
+            measured.lever,
+            measured.readout,
+            measured.keyframe,
+            measured.known,
+            measured.error_px,
+            measured.share,
+        )
         self.causes.append(measured.cause)
         self._counts.append(len(measured.uv))
         self._uv.append(measured.uv)
@@ -88,21 +125,21 @@ class Measurements:
     @property
     def keyframe(self) -> NDArray[np.int64]:
         """The keyframe (N,) of each frame."""
-        return self._column(_KEYFRAME).astype(np.int64)
+        return self._column("keyframe")
 
     @property
     def known(self) -> NDArray[np.bool_]:
         """At which frames (N,) the camera was measured."""
-        return self._column(_KNOWN) > 0
+        return self._column("known")
 
     @property
     def error_px(self) -> Array:
-        return self._column(_ERROR)
+        return self._column("error_px")
 
     @property
     def share(self) -> Array:
         """Of each frame (N,) the share of points that moved alike."""
-        return self._column(_SHARE)
+        return self._column("share")
 
     def points(self) -> FollowedPoints:
         """The points of all frames."""
@@ -126,16 +163,16 @@ class Measurements:
             readout: (2,) along u and v, as a share of the time between frames.
         """
         rows = self._rows[: len(self)]
-        change = (readout - rows[:, _READOUT])[:, :, None]
-        moved = (rows[:, _LEVER].reshape(-1, 4, 2) @ change)[..., 0]
-        doubt = np.sqrt(rows[:, _VARIANCE])
-        R = exp_rotation(moved[:, :3]) @ rows[:, _R].reshape(-1, 3, 3)
-        log_zoom = rows[:, _ZOOM] + moved[:, 3]
+        change = (readout - rows["readout"])[:, :, None]
+        moved = (rows["lever"] @ change)[..., 0]
+        doubt = np.sqrt(rows["variance"])
+        R = exp_rotation(moved[:, :3]) @ rows["R"]
+        log_zoom = rows["log_zoom"] + moved[:, 3]
         measured = Turns(R, log_zoom, known, doubt[:, 0], doubt[:, 1])
         return turns_through(measured, self.keyframe, keyframes, frames)
 
-    def _column(self, column: int) -> Array:
-        return self._rows[: len(self), column].copy()
+    def _column(self, name: str) -> NDArray[Any]:
+        return self._rows[name][: len(self)].copy()
 
 
 def _put_together(arrays: list[NDArray[np.float32]] | list[NDArray[np.bool_]]) -> None:

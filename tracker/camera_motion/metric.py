@@ -127,7 +127,14 @@ def _normal(stance: _Stance, weights: Array) -> tuple[float, float]:
 
 
 def _sd(stances: Sequence[_Stance], weights: Sequence[Array], s: float, power: float) -> float:
-    """Of s: errors of a motion last for frames, so that these count as fewer."""
+    """The standard deviation of s: errors of a motion last, so that frames count as fewer.
+
+    Args:
+        stances: of the feet.
+        weights: (n,) of the frames of each.
+        s: the scale.
+        power: of its equation.
+    """
     near, own, away = 0.0, 0.0, []
     for stance, w in zip(stances, weights, strict=True):
         r = stance.about(stance.q + s * stance.c, w) * np.sqrt(w)[:, None]

@@ -13,7 +13,7 @@ who follows gives the places that are expected.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import cv2
@@ -32,19 +32,18 @@ LOOK_PX = 960
 """Longest side of the pictures looked at; larger ones are made smaller."""
 CELLS = 240
 """Into which the picture is divided; each holds a point at most."""
+LEAST_CELL_PX = 8
+"""Side of a cell, of a small picture too."""
 BORDER_PX = 6
 """Nearer to the picture's edge no point is picked."""
 LEAST_CORNER = 1e-5
+"""Smaller eigenvalue of the gradients, as OpenCV scales it, below which a point is nothing."""
 SURE_CORNER = 3e-4
-"""Smaller eigenvalue of the gradients of a point, as OpenCV scales it: less is nothing, more is
-a corner; between them the noise decides."""
+"""Above which it is a corner; between the two the noise decides."""
 ABOVE_NOISE = 5.0
+"""Times the noise's strength of corners, above which a point stands out."""
 QUIET_CELLS = 10
-"""A point stands out where it has so many times the median of the cells at this percentile."""
-WINDOW_PX = (21, 21)
-ROUGH_WINDOW_PX = (15, 15)
-ROUGH_HALVINGS = 3
-"""Of the first look, which is at half the size already."""
+"""Percentile of the cells' medians that is the noise's strength."""
 RETURN_PX = 0.5
 """A point counts where it is followed back to within this of where it began."""
 ASIDE_PX = np.float32(1.5)
@@ -55,16 +54,40 @@ FEWEST_FOLLOWED = 0.3
 """Share of the points from the picture before; with less the whole picture is asked for a shift."""
 COARSE = 4
 """By which a picture is made smaller to be asked for the shift of its whole."""
-
 FEWEST_EXPOSED = 12
+"""Points by which a change of brightness is measured."""
 LEAST_GAIN = 0.015
 LEAST_OFFSET = 1.5
-"""A smaller change of brightness is left."""
+"""A smaller change of brightness is left: of the gain, and grey levels."""
 GAIN_POWER = 2000.0
+"""Grey levels²: the weight of no change, since a spread of a few levels says nothing of a gain."""
 
 _SAME = (1.0, 0.0)
-_ENOUGH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 12, 0.02)
-_ROUGHLY = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 10, 0.05)
+"""Gain and offset of a picture as it is."""
+
+
+@dataclass(frozen=True)
+class _Flow:
+    """How Lucas and Kanade look: their window, how often the picture is halved first, and how many
+    steps to which fraction of a pixel."""
+
+    window: tuple[int, int]
+    halvings: int
+    steps: int
+    settled_px: float
+
+    def options(self, halvings: int) -> dict[str, object]:
+        """What OpenCV is told."""
+        criteria = cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, self.steps, self.settled_px
+        flags = cv2.OPTFLOW_USE_INITIAL_FLOW
+        options = {"winSize": self.window, "maxLevel": halvings, "criteria": criteria}
+        return {**options, "flags": flags}
+
+
+_ROUGHLY = _Flow((15, 15), 3, 10, 0.05)
+"""The first look, from the picture before, which is at half the size already."""
+_EXACTLY = _Flow((21, 21), 1, 12, 0.02)
+"""The second, from the keyframe."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,15 +140,16 @@ class PointFollower:
             return self._last, np.zeros(len(self._last), bool)
         asked = self._asked(most)
         start = self.to_look(self._last[asked]) / 2
-        there, found = _followed(self._half_before, self._half, start, start, *_ROUGH)
-        if len(asked) and found.mean() < FEWEST_FOLLOWED:
-            guess = start + _whole_shift(self._half_before, self._half)
-            again, found_again = _followed(self._half_before, self._half, start, guess, *_ROUGH)
-            if found_again.sum() > found.sum():
-                there, found = again, found_again
+        halves = self._half_before, self._half
+        there, is_found = _followed(halves, start, start, _ROUGHLY)
+        if len(asked) and is_found.mean() < FEWEST_FOLLOWED:
+            guess = start + _whole_shift(halves)
+            again, is_found_again = _followed(halves, start, guess, _ROUGHLY)
+            if is_found_again.sum() > is_found.sum():
+                there, is_found = again, is_found_again
         rough, followed = self._last.copy(), np.zeros(len(self._last), bool)
-        rough[asked], followed[asked] = self.to_film(2 * there), found
-        self._expose(asked[found], there[found])
+        rough[asked], followed[asked] = self.to_film(2 * there), is_found
+        self._expose(asked[is_found], there[is_found])
         return rough, followed
 
     def _expose(self, followed: NDArray[np.int64], there: Array) -> None:
@@ -171,15 +195,14 @@ class PointFollower:
         open_ = self._open(usable)
         self.visible = int((inside & self._on(open_, expected)).sum())
         guess = np.where(inside[:, None], guess, start)
-        there, found = _followed(
-            self.keyframe.grey, self._now, start, guess, WINDOW_PX, halvings, _ENOUGH
-        )
-        found &= inside & self.inside(there, 1.0)
+        flow = replace(_EXACTLY, halvings=halvings)
+        there, is_found = _followed((self.keyframe.grey, self._now), start, guess, flow)
+        is_found &= inside & self.inside(there, 1.0)
         uv = self.to_film(there)
-        found &= self._on(open_, uv)
-        uv = np.where(found[:, None], uv, expected)
+        is_found &= self._on(open_, uv)
+        uv = np.where(is_found[:, None], uv, expected)
         self._last = uv
-        return uv, found
+        return uv, is_found
 
     def pick(self, usable: Mask | None, ids: NDArray[np.int64], uv: Array) -> KeyframePicture:
         """Make the latest picture the keyframe: with points that are known in it (K,), (K, 2), and
@@ -208,7 +231,7 @@ class PointFollower:
     def shift_from(self, keyframe: KeyframePicture) -> Array:
         """The shift (2,) of the whole picture since a keyframe, pixels of the film."""
         assert self._half is not None
-        return 2 * _whole_shift(keyframe.half, self._half) / self.scale
+        return 2 * _whole_shift((keyframe.half, self._half)) / self.scale
 
     @property
     def look_height(self) -> int:
@@ -243,7 +266,7 @@ class PointFollower:
 
     def _side(self) -> int:
         assert self._now is not None
-        return max(8, round(float(np.sqrt(self._now.size / CELLS))))
+        return max(LEAST_CELL_PX, round(float(np.sqrt(self._now.size / CELLS))))
 
     def _cells(self, at: Array) -> NDArray[np.int64]:
         """The number (K,) of the cell of each place (K, 2) of the picture looked at."""
@@ -282,9 +305,9 @@ class PointFollower:
             return np.ones(len(uv), bool)
         height, width = open_.shape
         near = np.rint(self.to_look(uv) / 4 - 0.375)
-        known = np.isfinite(near.sum(axis=1))  # points behind the camera have no place
-        column, row = np.clip(np.where(known[:, None], near, 0), 0, (width - 1, height - 1)).T
-        return np.asarray(open_[row.astype(int), column.astype(int)] & known)
+        ahead = np.isfinite(near.sum(axis=1))  # points behind the camera have no place
+        column, row = np.clip(np.where(ahead[:, None], near, 0), 0, (width - 1, height - 1)).T
+        return np.asarray(open_[row.astype(int), column.astype(int)] & ahead)
 
     def _corners(self, open_: Mask | None, taken: Array) -> Array:
         """The best corner of every cell that holds no point and has one, pixels looked at."""
@@ -317,37 +340,34 @@ class PointFollower:
         return np.stack([u, v], axis=1).astype(float)
 
 
-_ROUGH = (ROUGH_WINDOW_PX, ROUGH_HALVINGS, _ROUGHLY)
-
-
 def _followed(
-    one: Grey,
-    other: Grey,
-    start: Array,
-    guess: Array,
-    window: tuple[int, int],
-    halvings: int,
-    criteria: tuple[int, int, float],
+    pictures: tuple[Grey, Grey], start: Array, guess: Array, flow: _Flow
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Where points (K, 2) of one picture are in another, and whether they are found back."""
+    """Where points of one picture are in another (K, 2), and which of them (K,) are found back.
+
+    Args:
+        pictures: the one and the other.
+        start: (K, 2) where the points are in the one.
+        guess: (K, 2) about where they are in the other.
+        flow: how to look.
+    """
     if not len(start):
         return np.zeros((0, 2)), np.zeros(0, bool)
+    before, after = pictures
     p, q = (np.ascontiguousarray(uv[:, None], np.float32) for uv in (start, guess))
-    usual = {"winSize": window, "maxLevel": halvings, "criteria": criteria}
-    given = cv2.OPTFLOW_USE_INITIAL_FLOW
-    there, forth, _ = cv2.calcOpticalFlowPyrLK(one, other, p, q.copy(), flags=given, **usual)  # type: ignore[call-overload]
+    there, forth, _ = cv2.calcOpticalFlowPyrLK(before, after, p, q, **flow.options(flow.halvings))  # type: ignore[call-overload]
     again, back, _ = cv2.calcOpticalFlowPyrLK(
-        other, one, there, p + ASIDE_PX, flags=given, **{**usual, "maxLevel": min(halvings, 1)}
+        after, before, there, p + ASIDE_PX, **flow.options(min(flow.halvings, 1))
     )  # type: ignore[call-overload]
     returned = np.linalg.norm((again - p)[:, 0], axis=1) < RETURN_PX
-    found = (forth[:, 0] > 0) & (back[:, 0] > 0) & returned
-    return np.asarray(there[:, 0], float), found
+    is_found = (forth[:, 0] > 0) & (back[:, 0] > 0) & returned
+    return np.asarray(there[:, 0], float), is_found
 
 
 def _quiet(cells: NDArray[np.float32]) -> float:
     """The strength of corners that noise has, of strengths (cells, pixels); 0 is not looked at."""
-    some = cells[:, ::7]
-    full = some[(some > 0).mean(axis=1) > 0.7]
+    sample = cells[:, ::7]
+    full = sample[(sample > 0).mean(axis=1) > 0.7]
     return float(np.percentile(np.median(full, axis=1), QUIET_CELLS)) if len(full) else 0.0
 
 
@@ -389,16 +409,16 @@ def _line(x: Array, y: Array) -> tuple[float, float]:
     return float(np.clip(gain, 0.4, 2.5)), offset
 
 
-def _whole_shift(one: Grey, other: Grey) -> Array:
+def _whole_shift(pictures: tuple[Grey, Grey]) -> Array:
     """The shift (2,) of a whole picture that best leads to another, by phase correlation."""
     first, second = (
         cv2.resize(grey, None, fx=1 / COARSE, fy=1 / COARSE, interpolation=cv2.INTER_AREA)
-        for grey in (one, other)
+        for grey in pictures
     )
     height, width = first.shape
     if min(height, width) < 8:
         return np.zeros(2)
     window = cv2.createHanningWindow((width, height), cv2.CV_32F)
     shift, _ = cv2.phaseCorrelate(first.astype(np.float32), second.astype(np.float32), window)
-    found = np.asarray(shift, float) * COARSE
-    return found if np.isfinite(found).all() else np.zeros(2)
+    whole = np.asarray(shift, float) * COARSE
+    return whole if np.isfinite(whole).all() else np.zeros(2)

@@ -20,7 +20,7 @@ from keypose.tracker.solver.gauss_newton import GAUSS_NEWTON, gauss_newton
 SCALES = (6.0, 2.5, 1.0, 1.0, 1.0)
 """Of the noise from step to step: far off at first, what is right must not seem an outlier."""
 INLIER = 3.0
-"""Standard deviations."""
+"""Standard deviations within which a point agrees."""
 DONE = 2e-5
 """Radians, and usual depths, of a step after which the camera is where it is."""
 LEAST_TURN_PRECISION = 1e-6
@@ -63,13 +63,24 @@ def resected(
 ) -> Resected:
     """The camera's place by Gauss–Newton on robustly weighed residuals, a step for each scale.
 
-    start: (4, 4).  noise: standard deviation of a place.  step_sd: how far from the start's place
-    the camera may be, all else unknown.
+    Args:
+        start: (4, 4) about where the camera is, camera from world.
+        seen_points: what is known of the points, and where they are seen.
+        noise: standard deviation of where a point is seen, as x/z.
+        step_sd: how far from the start's place the camera may be, all else unknown.
+        scales: of the noise, from step to step.
     """
+
+    held = np.diag([1 / step_sd**2] * 3 + [LEAST_TURN_PRECISION] * 3)
 
     def step(T: Array, count: int) -> Array:
         J, miss, length = _whitened(T, seen_points, scales[count] * noise)
-        return _step(J, miss, KERNEL.weight(length), _gone(start, T), step_sd)
+        wJ = J * KERNEL.weight(length)
+        gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]  # in the camera's frame
+        H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
+        g = wJ.reshape(6, -1) @ miss.ravel()
+        g[:3] += gone / step_sd**2
+        return -np.asarray(np.linalg.solve(H, g), float)
 
     narrowing = sum(scale > 1.0 for scale in scales)
     criteria = replace(
@@ -81,31 +92,15 @@ def resected(
     return Resected(T, agree, float(np.median(length[agree])) if agree.any() else np.nan)
 
 
-def _gone(start: Array, T: Array) -> Array:
-    """How far (3,) a camera is from where it started, in its own frame."""
-    return np.asarray(T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3])
-
-
-def _step(J: Array, miss: Array, weight: Array, gone: Array, step_sd: float) -> Array:
-    """The step (6,) of slopes (6, 2, K) and residuals (2, K), weighed by (K,), and of a prior on
-    how far the camera has gone."""
-    wJ = J * weight
-    held = np.diag([1 / step_sd**2] * 3 + [LEAST_TURN_PRECISION] * 3)
-    H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
-    g = wJ.reshape(6, -1) @ miss.ravel()
-    g[:3] += gone / step_sd**2
-    return -np.asarray(np.linalg.solve(H, g), float)
-
-
 def _nudged(T: Array, step: Array) -> Array:
     """`bundle.nudged` of one camera, which takes a fifth of the time that way."""
     x, y, z = step[3:].tolist()
     angle = math.sqrt(x * x + y * y + z * z)
-    one = math.sin(angle) / angle if angle > 1e-9 else 1.0
-    two = 0.5 * (math.sin(angle / 2) / (angle / 2)) ** 2 if angle > 1e-9 else 0.5
+    of_K = math.sin(angle) / angle if angle > 1e-9 else 1.0
+    of_K_squared = 0.5 * (math.sin(angle / 2) / (angle / 2)) ** 2 if angle > 1e-9 else 0.5
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     moved = np.eye(4)
-    moved[:3, :3] += one * K + two * (K @ K)
+    moved[:3, :3] += of_K * K + of_K_squared * (K @ K)
     moved[:3, 3] = step[:3]
     return moved @ T
 

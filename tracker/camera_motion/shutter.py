@@ -17,15 +17,19 @@ from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.geometry.rotations import Array
 
 PRIOR_SIGMA = 0.3
+"""Standard deviation of a camera's readout before anything is seen of it."""
 IN_COMMON = 25.0
 """How many points and frames err alike, as a number: they share a keyframe's errors."""
 LEAST_SIGMA = 0.01
 """What the frames have in common that their number does not better."""
 MOST = 1.5
+"""Largest readout that is learned; more than 1 is one of another frame time."""
 LEAST_SHARE = 0.1
+"""A smaller readout is not reported."""
 LEAST_SIGMAS = 5.0
+"""Nor one of fewer standard deviations."""
 USED_SIGMAS = 3.0
-"""A readout that is smaller, or less sure, is not reported."""
+"""Standard deviations from which on pictures are straightened by it."""
 
 
 @dataclass(eq=False)
@@ -49,7 +53,7 @@ class Shutter:
         `flat` (K, 2), tangents; uv (K, 2): where they are seen.  rate (3,): turn a frame, radians.
         """
         x, y = flat.T
-        way = np.stack(
+        velocity = np.stack(
             [
                 -x * y * rate[0] + (1 + x * x) * rate[1] - y * rate[2],
                 -(1 + y * y) * rate[0] + x * y * rate[1] + x * rate[2],
@@ -57,17 +61,26 @@ class Shutter:
             axis=1,
         )
         part = (uv + 0.5) / self.size - 0.5
-        return np.asarray(way[:, :, None] * part[:, None, :])
+        return np.asarray(velocity[:, :, None] * part[:, None, :])
 
     def straightened(self, lens: Lens, uv: Array, zoom: float, rate: Array) -> Array:
-        """Where points (K, 2) of a picture would be seen if it were read at once."""
+        """Where points of a picture would be seen if it were read at once, pixels (K, 2).
+
+        Args:
+            lens: of the film.
+            uv: (K, 2) where they are seen, pixels.
+            zoom: of the picture.
+            rate: (3,) how fast the camera turns, radians a frame.
+        """
         return uv - self._shifted(lens, uv, zoom, rate)
 
     def sheared(self, lens: Lens, uv: Array, zoom: float, rate: Array) -> Array:
-        """Where points (K, 2) are seen that would be here if the picture were read at once."""
+        """Where points are seen that would be at uv (K, 2) if the picture were read at once; the
+        rest as of `straightened`."""
         return uv + self._shifted(lens, uv, zoom, rate)
 
     def _shifted(self, lens: Lens, uv: Array, zoom: float, rate: Array) -> Array:
+        """By how much the readout shifts points, pixels (K, 2); as of `straightened`."""
         tangents = lens.flat(uv, zoom) / zoom
         shifts = self.shifts(uv, tangents, rate) @ self.share
         return np.asarray(shifts * zoom * (lens.camera.fx, lens.camera.fy))
@@ -78,12 +91,12 @@ class Shutter:
         """
         total = self.information + information / IN_COMMON
         asked = pull + information @ (self.share - self.estimate)
-        found = self.estimate + np.linalg.solve(total, asked / IN_COMMON)
-        self.estimate = np.clip(found, -MOST, MOST)
+        estimate = self.estimate + np.linalg.solve(total, asked / IN_COMMON)
+        self.estimate = np.clip(estimate, -MOST, MOST)
         most = np.linalg.eigvalsh(total)[-1] * LEAST_SIGMA**2
         self.information = total / max(1.0, most)
 
-    def found(self) -> float | None:
+    def reported(self) -> float | None:
         """The readout as a share of the time between frames, None where there is none."""
         sigma = np.sqrt(np.diag(np.linalg.inv(self.information)))
         size = np.abs(self.estimate)

@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 from keypose.tracker.camera_motion.turn import Solved
 
 RATE = 0.2
-"""Of the running mean."""
+"""Of the running mean: the share of the latest residual."""
 FEWEST_FRAMES = 6
+"""Over which a point must have been followed."""
 SYSTEMATIC_PX = 0.6
 """Of the size looked at: a smaller mean is not called systematic."""
 SIGMAS = 3.0
+"""Standard deviations of noise by which a point must have moved."""
 FEWEST_POINTS = 20
-"""Standard deviations of noise by which a point must have moved; points without which nothing is
-said."""
+"""Points without which nothing is said."""
 
 
 @dataclass(frozen=True)
@@ -46,23 +47,23 @@ class Steadiness:
         self._change = np.zeros(count)
         self._times = np.zeros(count, int)
 
-    def add(self, found: NDArray[np.bool_], solved: Solved) -> None:
-        """Take the residuals of one frame's points that were found."""
+    def add(self, tracked: NDArray[np.bool_], solved: Solved) -> None:
+        """Take the residuals of one frame's points that were tracked (K,)."""
         residual = np.clip(np.nan_to_num(solved.residual_px), -50, 50)
-        rate = np.maximum(RATE, 1 / (self._times[found] + 1))
-        self._mean[found] += rate[:, None] * (residual - self._mean[found])
-        change = ((residual - self._before[found]) ** 2).sum(axis=1) / 2
-        self._change[found] += rate * (change - self._change[found])
-        self._before[found] = residual
-        self._times[found] += 1
+        rate = np.maximum(RATE, 1 / (self._times[tracked] + 1))
+        self._mean[tracked] += rate[:, None] * (residual - self._mean[tracked])
+        change = ((residual - self._before[tracked]) ** 2).sum(axis=1) / 2
+        self._change[tracked] += rate * (change - self._change[tracked])
+        self._before[tracked] = residual
+        self._times[tracked] += 1
 
     def summary(self) -> Summary:
         """What the keyframe's points say."""
         long = self._times >= FEWEST_FRAMES
         if long.sum() < FEWEST_POINTS:
             return Summary(int(long.sum()), 0.0, 0.0, 0.0)
-        way = np.linalg.norm(self._mean[long], axis=1)
+        away_px = np.linalg.norm(self._mean[long], axis=1)
         noise = np.sqrt(self._change[long] * RATE / (2 - RATE))
-        aside = way > np.maximum(SYSTEMATIC_PX, SIGMAS * noise)
-        far = float(np.median(way[aside])) if aside.any() else 0.0
+        aside = away_px > np.maximum(SYSTEMATIC_PX, SIGMAS * noise)
+        far = float(np.median(away_px[aside])) if aside.any() else 0.0
         return Summary(int(long.sum()), float(aside.mean()), far, float(np.median(noise)))

@@ -23,13 +23,20 @@ from keypose.tracker.solver.robust import Cauchy, GemanMcClure
 FEWEST = 6
 """Points that four unknowns are found from."""
 SCALES_PX = (6.0, 3.0, 1.5)
-"""Of the weights, on the way; then as the residuals' own spread is, within these."""
+"""Of the weights on the way, from step to step; then as the residuals' own spread is."""
 LEAST_SCALE_PX = 0.35
 MOST_SCALE_PX = 1.0
+"""Within which the scale by the residuals' spread stays."""
 STEPS_AT_END = 3
+"""Steps with that scale."""
 INLIER_PX = 1.0
-"""A point agrees where its residual is below this, or below so many times the inliers' spread."""
+"""A point agrees where its residual is below this."""
 INLIER_SPREADS = 3.0
+"""Or below so many times the inliers' standard deviation."""
+SPREAD_SIGMAS = 2.5
+"""The scale of the weights, in standard deviations of the noise along an axis."""
+MEDIAN_OF_TWO = 1.18
+"""The median length of two standard normal numbers."""
 START = Cauchy(4.0)
 """By which points bear out a start, pixels."""
 START_SHARE = 0.5
@@ -37,10 +44,15 @@ START_SHARE = 0.5
 GOOD_SHARE = 0.8
 """And so good here that no other is tried."""
 PAIRS = 60
+"""Pairs of points that are asked: of 60, when half of the points are right, 15 are."""
+LEAST_APART = 0.3
+"""Of the pairs' median distance, below which a pair tells no roll and no zoom."""
 LEAST_NOISE_PX = 0.05
 """Below which no residual is believed."""
+BEHIND_PX = 1e3
+"""Residual of a point behind the camera."""
 MOST_STEP = 0.3
-"""Radians, and share of zoom."""
+"""Radians, and share of zoom: a longer step leads beyond where slopes hold."""
 
 
 _EYE = np.eye(3)
@@ -89,6 +101,28 @@ class Turn:
 
 
 @dataclass(frozen=True, eq=False)
+class SeenDirections:
+    """K directions of a frame of reference, and where a camera sees them.
+
+    directions (K, 3).  xy (K, 2): focal lengths from the centre.  focal_px: of the pixels in which
+    residuals count.  trust (K,): from 0 to 1.
+    """
+
+    directions: Array
+    xy: Array
+    focal_px: float
+    trust: Array
+
+    @classmethod
+    def trusted(cls, directions: Array, xy: Array, focal_px: float) -> SeenDirections:
+        """All trusted alike."""
+        return cls(directions, xy, focal_px, np.ones(len(xy)))
+
+    def __len__(self) -> int:
+        return len(self.xy)
+
+
+@dataclass(frozen=True, eq=False)
 class Shear:
     """What a picture is sheared by: shifts (K, 2, S) of points in focal lengths for each of S
     numbers, and these (S,) as far as they are known.
@@ -131,49 +165,49 @@ class Solved:
 
 
 def solve_turn(
-    directions: Array,
-    seen: Array,
-    focal_px: float,
-    trust: Array,
+    points: SeenDirections,
     starts: Sequence[Turn],
     scales_px: Sequence[float] = SCALES_PX,
     shear: Shear | None = None,
 ) -> Solved | None:
-    """Find the turn that shows directions (K, 3) where they are seen (K, 2), focal lengths from
-    the centre. None with too few points, or where they do not tell it.
+    """Find the turn that shows directions where they are seen; None with too few of them, or where
+    they do not tell it.
 
-    trust: (K,) from 0 to 1.  scales_px: of the weights on the way.
+    Args:
+        points: the directions.
+        starts: turns to begin with, the likeliest first; one at least.
+        scales_px: of the weights on the way.
+        shear: of the picture, where that is read row after row.
     """
-    if len(seen) < FEWEST:
+    if len(points) < FEWEST:
         return None
-    shifts = np.zeros((len(seen), 2, 0)) if shear is None else shear.shifts
+    shifts = np.zeros((len(points), 2, 0)) if shear is None else shear.shifts
     if shear is not None:
-        seen = seen - shifts @ shear.share
-    turn = _start(directions, seen, focal_px, trust, starts)
+        points = replace(points, xy=points.xy - shifts @ shear.share)
     scales = (*scales_px, *[None] * STEPS_AT_END)
 
     def step(turn: Turn, count: int) -> Array:
-        residual, J = linearised(turn, directions, seen, focal_px)
+        residual, J = linearised(turn, points)
         error = np.linalg.norm(residual, axis=1)
-        scale_px = scales[count] or _spread(error, trust)
-        return _step(residual, J, trust * GemanMcClure(scale_px).weight(error))
+        scale_px = scales[count] or _spread(error, points.trust)
+        return _step(residual, J, points.trust * GemanMcClure(scale_px).weight(error))
 
     criteria = replace(GAUSS_NEWTON, most_steps=len(scales), longest_step=MOST_STEP)
-    solution = gauss_newton(step, Turn.moved, turn, criteria)
-    if solution.end == "unsolvable":
-        return None
-    residual, J = linearised(solution.state, directions, seen, focal_px)
-    return _solved(solution.state, residual, J, trust, shifts * focal_px)
+    solution = gauss_newton(step, Turn.moved, _start(points, starts), criteria)
+    return None if solution.end == "unsolvable" else _solved(solution.state, points, shifts)
 
 
-def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array) -> Solved:
+def _solved(turn: Turn, points: SeenDirections, shifts: Array) -> Solved:
+    """How the points bear a turn out, and what they say of S numbers that shift them by (K, 2,
+    S), focal lengths."""
+    (residual, J), trust = linearised(turn, points), points.trust
     error = np.linalg.norm(residual, axis=1)
     spread = _spread(error, trust)
-    agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / 2.5))
+    agrees = np.asarray(error < max(INLIER_PX, INLIER_SPREADS * spread / SPREAD_SIGMAS))
     weight = trust * GemanMcClure(spread).weight(error) * agrees
     squares = (weight * (error**2)).sum() / max(weight.sum(), 1e-9) / 2
     noise = max(float(np.sqrt(squares)), LEAST_NOISE_PX)
-    every = np.concatenate([J, sheared], axis=2).reshape(2 * len(J), -1)
+    every = np.concatenate([J, shifts * points.focal_px], axis=2).reshape(2 * len(J), -1)
     weighted = (every * np.repeat(weight, 2)[:, None]).T / noise**2
     A, b = weighted @ every, weighted @ residual.reshape(-1)
     own = A[:4, :4] + 1e-9 * np.trace(A[:4, :4]) * np.eye(4)
@@ -182,32 +216,27 @@ def _solved(turn: Turn, residual: Array, J: Array, trust: Array, sheared: Array)
     return Solved(turn, residual, agrees, A[:4, :4], noise, pull, alone, -taken[:, :-1])
 
 
-def _start(
-    directions: Array,
-    seen: Array,
-    focal_px: float,
-    trust: Array,
-    starts: Sequence[Turn],
-) -> Turn:
+def _start(points: SeenDirections, starts: Sequence[Turn]) -> Turn:
+    """The turn that explains most points: one of the starts, or else one by a pair of points."""
     score, best = -1.0, starts[0]
-    for start in [*starts, _shifted(starts[0], directions, seen, trust)]:
-        found = _score(start, directions, seen, focal_px, trust)
-        if found > score:
-            score, best = found, start
+    for start in [*starts, _shifted(starts[0], points)]:
+        its_score = _score(start, points)
+        if its_score > score:
+            score, best = its_score, start
         if score >= GOOD_SHARE:
             break
     if score >= START_SHARE:
         return best
-    for pair in _from_pairs(directions, seen, focal_px, best):
-        found = _score(pair, directions, seen, focal_px, trust)
-        if found > score + 1e-9:
-            score, best = found, pair
+    for turn in _from_pairs(points, best):
+        its_score = _score(turn, points)
+        if its_score > score + 1e-9:
+            score, best = its_score, turn
     return best
 
 
-def _shifted(turn: Turn, directions: Array, seen: Array, trust: Array) -> Turn:
+def _shifted(turn: Turn, points: SeenDirections) -> Turn:
     """The same, turned as the middle one of the points asks."""
-    asked = (seen - turn.flat(directions))[trust >= np.median(trust)]
+    asked = (points.xy - turn.flat(points.directions))[points.trust >= np.median(points.trust)]
     asked = asked[np.isfinite(asked).all(axis=1)]
     if not len(asked):
         return turn
@@ -215,21 +244,21 @@ def _shifted(turn: Turn, directions: Array, seen: Array, trust: Array) -> Turn:
     return turn.moved(np.array([-down, right, 0.0, 0.0]))
 
 
-def _score(turn: Turn, directions: Array, seen: Array, focal_px: float, trust: Array) -> float:
+def _score(turn: Turn, points: SeenDirections) -> float:
     """The share of trust that lies where this turn shows it."""
-    away_px = np.linalg.norm(turn.flat(directions) - seen, axis=1) * focal_px
+    away_px = np.linalg.norm(turn.flat(points.directions) - points.xy, axis=1) * points.focal_px
     held = np.nan_to_num(START.weight(away_px), nan=0.0)
-    return float((trust * held).sum() / max(trust.sum(), 1e-9))
+    return float((points.trust * held).sum() / max(points.trust.sum(), 1e-9))
 
 
-def _from_pairs(directions: Array, seen: Array, focal_px: float, start: Turn) -> list[Turn]:
+def _from_pairs(points: SeenDirections, start: Turn) -> list[Turn]:
     """Turns that show two points each where they are seen; the same ones every time."""
-    order = np.random.default_rng(0).integers(0, len(seen), (PAIRS, 2))
-    apart = np.linalg.norm(seen[order[:, 0]] - seen[order[:, 1]], axis=1)
-    order = order[apart > 0.3 * np.median(apart)]
+    order = np.random.default_rng(0).integers(0, len(points), (PAIRS, 2))
+    apart = np.linalg.norm(points.xy[order[:, 0]] - points.xy[order[:, 1]], axis=1)
+    order = order[apart > LEAST_APART * np.median(apart)]
     if not len(order):
         return []
-    residual, J = linearised(start, directions, seen, focal_px)
+    residual, J = linearised(start, points)
     Jp = J[order].reshape(len(order), 4, 4)
     A = np.swapaxes(Jp, 1, 2) @ Jp
     A[:, np.arange(4), np.arange(4)] += 1e-6 * np.trace(A, axis1=1, axis2=2)[:, None] + 1e-9
@@ -239,29 +268,29 @@ def _from_pairs(directions: Array, seen: Array, focal_px: float, start: Turn) ->
     return [start.moved(step) for step in sound]
 
 
-def linearised(turn: Turn, directions: Array, seen: Array, focal_px: float) -> tuple[Array, Array]:
+def linearised(turn: Turn, points: SeenDirections) -> tuple[Array, Array]:
     """What is left to each point (K, 2), pixels, and how it follows the unknowns (K, 2, 4);
     points behind the camera have neither.
     """
-    p = directions @ turn.R.T
+    p = points.directions @ turn.R.T
     ahead = p[:, 2] > 1e-3
     q = p[:, :2] / np.where(ahead, p[:, 2], 1.0)[:, None]
     x, y = q[:, 0], q[:, 1]
     J = np.empty((len(q), 2, 4))
     J[:, 0, 0], J[:, 0, 1], J[:, 0, 2], J[:, 0, 3] = -x * y, 1 + x * x, -y, x
     J[:, 1, 0], J[:, 1, 1], J[:, 1, 2], J[:, 1, 3] = -1 - y * y, x * y, x, y
-    residual = (seen - turn.zoom * q) * focal_px
-    J *= turn.zoom * focal_px
+    residual = (points.xy - turn.zoom * q) * points.focal_px
+    J *= turn.zoom * points.focal_px
     if not ahead.all():
-        J[~ahead], residual[~ahead] = 0.0, 1e3
+        J[~ahead], residual[~ahead] = 0.0, BEHIND_PX
     return residual, J
 
 
 def _spread(error: Array, trust: Array) -> float:
-    """The scale of the weights: 2.5 times the noise along an axis, told by the nearest half."""
+    """The scale of the weights by the noise along an axis, told by the nearest half."""
     trusted = error[trust > 0.5] if (trust > 0.5).sum() >= FEWEST else error
-    noise = np.partition(trusted, len(trusted) // 2)[len(trusted) // 2] / 1.18
-    return float(np.clip(2.5 * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
+    noise = np.partition(trusted, len(trusted) // 2)[len(trusted) // 2] / MEDIAN_OF_TWO
+    return float(np.clip(SPREAD_SIGMAS * noise, LEAST_SCALE_PX, MOST_SCALE_PX))
 
 
 def _step(residual: Array, J: Array, weight: Array) -> Array:

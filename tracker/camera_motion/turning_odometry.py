@@ -10,24 +10,28 @@ what is said of a frame.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal, TypeAlias
+from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.direction_map import SYSTEMATIC_PX, DirectionMap
+from keypose.tracker.camera_motion.findings import Likeness
 from keypose.tracker.camera_motion.focal import LEAST_AWAY, MOST_PAIRS, Pair
 from keypose.tracker.camera_motion.lens import Lens, unit
+from keypose.tracker.camera_motion.measurements import Cause, Measured
 from keypose.tracker.camera_motion.points import Grey, KeyframePicture, Mask, PointFollower
 from keypose.tracker.camera_motion.shutter import Shutter
 from keypose.tracker.camera_motion.steadiness import Steadiness, Summary
-from keypose.tracker.camera_motion.turn import SCALES_PX, Shear, Solved, Turn, solve_turn
+from keypose.tracker.camera_motion.turn import (
+    SCALES_PX,
+    SeenDirections,
+    Shear,
+    Solved,
+    Turn,
+    solve_turn,
+)
 from keypose.tracker.geometry.rotations import Array
-
-Cause: TypeAlias = Literal["", "no_texture", "body_fills", "cut", "not_rigid", "no_picture"]
-"""Why the camera is unknown at a frame; nothing where it is known."""
 
 FEWEST_POINTS = 12
 """Points without which a keyframe is not set: there is no texture."""
@@ -71,32 +75,6 @@ FARTHER = 1.2
 """Times the way of the pair kept so far, by which another one must have gone to replace it."""
 SCENES = 3
 """Left scenes whose last keyframes are tried again where the camera is lost."""
-LITTLE = (32, 18)
-"""Width and height of the pictures whose likeness tells a cut."""
-
-
-@dataclass(frozen=True, eq=False)
-class Measured:
-    """One frame, from its keyframe.
-
-    turn: from the keyframe's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
-    the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points tracked.
-    share: of the points followed from the frame before, or of those in view, those that moved
-    alike, whichever is more.  lever (4, 2): how the turn and the logarithm of the zoom follow the
-    readout, of which `readout` (2,) was used.
-    """
-
-    keyframe: int
-    turn: Turn
-    known: bool
-    cause: Cause
-    covariance: Array
-    error_px: float
-    uv: NDArray[np.float32]
-    good: NDArray[np.bool_]
-    share: float = 1.0
-    lever: Array = field(default_factory=lambda: np.zeros((4, 2)))
-    readout: Array = field(default_factory=lambda: np.zeros(2))
 
 
 @dataclass(eq=False)
@@ -143,21 +121,30 @@ class TurningOdometry:
         self._uv = np.zeros((0, 2))
         self._alike = 1.0
         self._lost, self._cut = 0, -1
-        self._little: Array | None = None
+        self._frame = 0
+        self._usable: Mask | None = None
+        self._likeness = Likeness()
 
     def advance(self, frame: int, picture: Grey | None, usable: Mask | None) -> Measured:
-        """Measure the next frame; the picture is None where it cannot be read."""
+        """Measure the next frame.
+
+        Args:
+            frame: its number.
+            picture: (H, W) of it; None where it cannot be read.
+            usable: (H, W) pixels that may be background; None for all.
+        """
+        self._frame, self._usable = frame, usable
         if picture is None:
             self._lost += 1
             return self._unknown("no_picture")
         rough, followed = self._points.look(picture, ROUGH_POINTS)
-        like = self._likeness()
+        like = self._likeness.of(self._points.now)
         if self._keyframe is None:
-            return self._begin(frame, usable)
-        tracked, solved = self._measure(rough, followed, usable)
+            return self._begin()
+        tracked, solved = self._measure(rough, followed)
         if solved is None or not self._holds(solved, tracked):
-            return self._find_again(frame, usable, like)
-        return self._accept(frame, usable, tracked, solved)
+            return self._find_again(like)
+        return self._accept(tracked, solved)
 
     def finish(self) -> None:
         """Take up what the last keyframe's points said, and what became known of the shutter."""
@@ -188,14 +175,20 @@ class TurningOdometry:
         return self.map.turns[self._current.number].zoom
 
     def _measure(
-        self, rough: Array, followed: NDArray[np.bool_], usable: Mask | None
+        self, rough: Array, followed: NDArray[np.bool_]
     ) -> tuple[NDArray[np.bool_], Solved | None]:
+        """Which points (K,) were tracked, and the turn by them.
+
+        rough (K, 2), followed (K,): where they were followed to from the picture before, and which.
+        """
         starts = [self._turn.then(self._step), self._turn]
         first = self._solve(rough, followed, starts, SCALES_PX, None)
         sure = first is not None and first.agreeing >= max(FEWEST_AGREE, 0.5 * followed.sum())
         self._alike = first.agreeing / followed.sum() if first is not None else 1.0
         turn = starts[1] if first is None or first.agreeing < FEWEST_AGREE else first.turn
-        self._uv, tracked = self._points.refine(self._expected(turn), usable, 0 if sure else 1)
+        self._uv, tracked = self._points.refine(
+            self._expected(turn), self._usable, 0 if sure else 1
+        )
         scales = SCALES_PX[-1:] if sure else SCALES_PX
         shear = self._shear(turn, tracked)
         return tracked, self._solve(self._uv, tracked, [turn, *starts], scales, shear)
@@ -215,17 +208,23 @@ class TurningOdometry:
         scales: Sequence[float],
         shear: Shear | None,
     ) -> Solved | None:
+        """The turn from the keyframe by its points.
+
+        Args:
+            uv: (K, 2) where the points are, pixels of the film.
+            tracked: (K,) which of them count.
+            starts: turns to begin with.
+            scales: of the weights on the way, pixels looked at.
+            shear: of the points that count.
+        """
         keyframe, zoom = self._current, self._zoom
-        observed = self.lens.flat(uv[tracked], zoom * starts[0].zoom) / zoom
-        return solve_turn(
+        points = SeenDirections(
             keyframe.directions[tracked],
-            observed,
+            self.lens.flat(uv[tracked], zoom * starts[0].zoom) / zoom,
             self.map.focal_px * zoom,
             keyframe.trust[tracked],
-            starts,
-            scales_px=scales,
-            shear=shear,
         )
+        return solve_turn(points, starts, scales, shear)
 
     def _holds(self, solved: Solved, tracked: NDArray[np.bool_]) -> bool:
         """Whether enough points agree, and tell the turn."""
@@ -235,9 +234,9 @@ class TurningOdometry:
         doubt = np.sqrt(np.trace(solved.covariance(0.0)[:3, :3]) / 3)
         return bool(doubt < MOST_DOUBT)
 
-    def _accept(
-        self, frame: int, usable: Mask | None, tracked: NDArray[np.bool_], solved: Solved
-    ) -> Measured:
+    def _accept(self, tracked: NDArray[np.bool_], solved: Solved) -> Measured:
+        """Go on from the turn by the points that were tracked (K,), and set a keyframe where one is
+        due."""
         keyframe = self._current
         followed = not self._lost
         self._rate = self._rate_at(solved.turn)
@@ -267,15 +266,21 @@ class TurningOdometry:
         away = self._away(tracked)
         if away > FARTHER * (self._pair.away if self._pair else LEAST_AWAY):
             self._take_pair(tracked, solved, away)
-        if self._is_due(frame, tracked, solved.turn, away):
-            self._advance_keyframe(frame, usable, agrees, measured)
+        if self._is_due(tracked, solved.turn, away):
+            self._advance_keyframe(agrees, measured)
         return measured
 
     def _unknown(self, cause: Cause) -> Measured:
-        keyframe = 0 if self._keyframe is None else self._keyframe.number
-        none = np.zeros((0, 2), np.float32)
+        """What is said of a frame at which the camera is not known."""
         return Measured(
-            keyframe, self._turn, False, cause, np.eye(4), np.nan, none, np.zeros(0, bool)
+            keyframe=0 if self._keyframe is None else self._keyframe.number,
+            turn=self._turn,
+            known=False,
+            cause=cause,
+            covariance=np.eye(4),
+            error_px=np.nan,
+            uv=np.zeros((0, 2), np.float32),
+            good=np.zeros(0, bool),
         )
 
     def _learn_shutter(self, keyframe: _Keyframe, solved: Solved) -> None:
@@ -310,54 +315,53 @@ class TurningOdometry:
 
     # --- where the camera is lost ---
 
-    def _begin(self, frame: int, usable: Mask | None) -> Measured:
+    def _begin(self) -> Measured:
         """Set the first keyframe, where there is something to follow."""
-        if not self._points.could_pick(usable, FEWEST_POINTS):
-            return self._unknown(self._poor(usable))
-        self._set_keyframe(frame, usable, Turn.none(), None)
+        if not self._points.could_pick(self._usable, FEWEST_POINTS):
+            return self._unknown(self._poor())
+        self._set_keyframe(Turn.none(), None)
         return self._at_keyframe(np.zeros((4, 4)))
 
-    def _find_again(self, frame: int, usable: Mask | None, like: float) -> Measured:
+    def _find_again(self, like: float) -> Measured:
         """Try the keyframes of scenes that were left; where none is seen, count as lost."""
         self._lost += 1
         self._step = Turn.none()
         current, turn = self._current, self._turn
         for keyframe in [current, *reversed(self._left)]:
-            tracked, solved = self._try(keyframe, usable, turn)
+            tracked, solved = self._try(keyframe, turn)
             if solved is not None and self._holds(solved, tracked):
                 if keyframe is not current:
                     self.cuts = [*self.cuts, *([self._cut] if self._cut >= 0 else [])]
                     self._left = [*(s for s in self._left if s is not keyframe), current]
-                return self._accept(frame, usable, tracked, solved)
+                return self._accept(tracked, solved)
         self._keyframe, self._turn = current, turn
         self._points.use(current.picture, self._expected(turn))
-        return self._lose(frame, usable, like)
+        return self._lose(like)
 
-    def _try(
-        self, keyframe: _Keyframe, usable: Mask | None, turn: Turn
-    ) -> tuple[NDArray[np.bool_], Solved | None]:
+    def _try(self, keyframe: _Keyframe, turn: Turn) -> tuple[NDArray[np.bool_], Solved | None]:
         """Measure from a keyframe with its picture shifted as a whole."""
         self._keyframe = keyframe
         shift = self._points.shift_from(keyframe.picture)
         self._points.use(keyframe.picture, keyframe.picture.uv + shift)
         starts = [Turn.none(), turn]
-        self._uv, tracked = self._points.refine(keyframe.picture.uv + shift, usable, 2)
+        self._uv, tracked = self._points.refine(keyframe.picture.uv + shift, self._usable, 2)
         solved = self._solve(self._uv, tracked, starts, SCALES_PX, None)
         if solved is None or not self._holds(solved, tracked):
             return tracked, None
-        self._uv, tracked = self._points.refine(self._expected(solved.turn), usable, 0)
+        self._uv, tracked = self._points.refine(self._expected(solved.turn), self._usable, 0)
         return tracked, self._solve(self._uv, tracked, [solved.turn], SCALES_PX[-1:], None)
 
-    def _lose(self, frame: int, usable: Mask | None, like: float) -> Measured:
-        filled = usable is not None and usable.mean() < OPEN_SHARE
-        cause: Cause = "body_fills" if filled else "not_rigid"
-        if like < CUT_LIKENESS and self._cut < 0 and not filled:
-            self._cut, cause = frame, "cut"
-        settled = 0 <= self._cut < frame and like > SAME_LIKENESS
+    def _lose(self, like: float) -> Measured:
+        """Say why the camera is lost, and set a keyframe tied to nothing where that lasts, or where
+        the film has settled after a cut. like: the picture to the one before, a correlation."""
+        cause: Cause = "body_fills" if self._is_filled else "not_rigid"
+        if like < CUT_LIKENESS and self._cut < 0 and not self._is_filled:
+            self._cut, cause = self._frame, "cut"
+        settled = 0 <= self._cut < self._frame and like > SAME_LIKENESS
         if not settled and self._lost < LOST_FRAMES:
             return self._unknown(cause)
-        if not self._points.could_pick(usable, FEWEST_POINTS):
-            return self._unknown(self._poor(usable))
+        if not self._points.could_pick(self._usable, FEWEST_POINTS):
+            return self._unknown(self._poor())
         if settled:
             self.cuts.append(self._cut)
         self._left = [*self._left, self._current][-SCENES:]
@@ -365,18 +369,30 @@ class TurningOdometry:
         self.map.follow_untied(keyframe.number, turn)
         world = self.map.turns[keyframe.number].then(turn)
         self.untied.append(len(self.map.turns))
-        self._set_keyframe(frame, usable, world, None)
+        self._set_keyframe(world, None)
         return self._at_keyframe(np.eye(4))
 
-    def _poor(self, usable: Mask | None) -> Cause:
-        filled = usable is not None and usable.mean() < OPEN_SHARE
-        return "body_fills" if filled else "no_texture"
+    def _poor(self) -> Cause:
+        """Why nothing can be picked."""
+        return "body_fills" if self._is_filled else "no_texture"
+
+    @property
+    def _is_filled(self) -> bool:
+        """Whether what is not background leaves too little of the latest picture."""
+        return self._usable is not None and bool(self._usable.mean() < OPEN_SHARE)
 
     def _at_keyframe(self, doubt: Array) -> Measured:
         """What is said of a frame that became a keyframe tied to nothing."""
-        uv, good = self._uv.astype(np.float32), np.ones(len(self._uv), bool)
-        number = self._current.number
-        return Measured(number, Turn.none(), True, "", doubt, 0.0, uv, good)
+        return Measured(
+            keyframe=self._current.number,
+            turn=Turn.none(),
+            known=True,
+            cause="",
+            covariance=doubt,
+            error_px=0.0,
+            uv=self._uv.astype(np.float32),
+            good=np.ones(len(self._uv), bool),
+        )
 
     # --- keyframes ---
 
@@ -401,20 +417,21 @@ class TurningOdometry:
             self.pairs = sorted([*self.pairs, self._pair], key=lambda p: -p.away)[:MOST_PAIRS]
         self._pair = None
 
-    def _is_due(self, frame: int, tracked: NDArray[np.bool_], turn: Turn, away: float) -> bool:
+    def _is_due(self, tracked: NDArray[np.bool_], turn: Turn, away: float) -> bool:
+        """Whether a new keyframe is, of the points tracked (K,), the turn from the last one, and
+        how far the picture went, as a share of its width."""
         roll = abs(np.arctan2(turn.R[1, 0], turn.R[0, 0]))
         if away > AWAY_SHARE or roll > ROLL or abs(np.log(turn.zoom)) > ZOOM:
             return True
         keyframe = self._current
         keyframe.most_tracked = max(keyframe.most_tracked, int(tracked.sum()))
         few = tracked.sum() < TRACKED_SHARE * keyframe.most_tracked
-        late = frame - self.map.frames[-1] >= SOONEST or tracked.sum() < SCARCE
+        late = self._frame - self.map.frames[-1] >= SOONEST or tracked.sum() < SCARCE
         return bool(few and late)
 
-    def _advance_keyframe(
-        self, frame: int, usable: Mask | None, agrees: NDArray[np.bool_], measured: Measured
-    ) -> None:
-        """Set a keyframe where the camera is known, tied to the last and to what came back."""
+    def _advance_keyframe(self, agrees: NDArray[np.bool_], measured: Measured) -> None:
+        """Set a keyframe where the camera is known, with the points that agree (K,), tied to the
+        last and to what came back."""
         keyframe, directions = self._current, self.map
         rate = np.zeros(3) if keyframe.rate is None else keyframe.rate
         directions.keep(keyframe.picture, keyframe.number, rate, keyframe.trust > TRUSTED)
@@ -422,7 +439,7 @@ class TurningOdometry:
         self._ties.append((len(directions.edges), measured.lever, measured.readout))
         directions.tie(keyframe.number, measured.turn, measured.covariance)
         ids, uv, trust = keyframe.picture.ids[agrees], self._uv[agrees], keyframe.trust[agrees]
-        turn, back, back_uv = directions.close_loops(turn, self._rate, usable)
+        turn, back, back_uv = directions.close_loops(turn, self._rate, self._usable)
         again = np.isin(back, ids)
         place = {number: k for k, number in enumerate(ids.tolist())}
         for number, there in zip(back[again].tolist(), back_uv[again], strict=True):
@@ -430,28 +447,20 @@ class TurningOdometry:
         fresh = ~again & self._points.in_empty_cells(back_uv, uv)
         ids, uv = np.concatenate([ids, back[fresh]]), np.concatenate([uv, back_uv[fresh]])
         trust = np.concatenate([trust, np.ones(fresh.sum())])
-        self._set_keyframe(frame, usable, turn, (ids, uv, trust))
+        self._set_keyframe(turn, (ids, uv, trust))
 
     def _set_keyframe(
-        self,
-        frame: int,
-        usable: Mask | None,
-        turn: Turn,
-        points: tuple[NDArray[np.int64], Array, Array] | None,
+        self, turn: Turn, points: tuple[NDArray[np.int64], Array, Array] | None
     ) -> None:
-        """Set a keyframe at the latest picture.
+        """Set a keyframe at the latest picture, the camera turned so from the world.
 
-        Args:
-            frame: its number.
-            usable: (H, W) pixels that may be background; None for all.
-            turn: of the camera, from the world.
-            points: ids (K,), places (K, 2) and trust (K,) of those that are known in it; None where
-                it is tied to nothing.
+        points: ids (K,), places (K, 2) and trust (K,) of those that are known in it; None where it
+        is tied to nothing.
         """
         if self._keyframe is not None:
             self._end_keyframe()
         ids, uv, trust = points or (np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(0))
-        picture = self._points.pick(usable, ids, uv)
+        picture = self._points.pick(self._usable, ids, uv)
         self._uv = picture.uv
         trust = np.concatenate([trust, np.full(len(picture.ids) - len(trust), TRUST_NEW)])
         directions = self.lens.directions(picture.uv, turn.zoom)
@@ -461,18 +470,7 @@ class TurningOdometry:
         shifts = self.shutter.shifts(picture.uv, tangents, np.zeros(3) if rate is None else rate)
         steady = Steadiness(len(trust))
         self._keyframe = _Keyframe(number, picture, directions, trust, steady, rate, shifts)
-        self.map.add(frame, turn)
+        self.map.add(self._frame, turn)
         self._turn, self._lost, self._cut = Turn.none(), 0, -1
         if points is None:
             self._step = Turn.none()
-
-    def _likeness(self) -> float:
-        """The correlation of the latest picture with the one before, both very small."""
-        now = self._points.now
-        assert now is not None
-        little = cv2.resize(now, LITTLE, interpolation=cv2.INTER_AREA).astype(float).ravel()
-        before, self._little = self._little, little - little.mean()
-        if before is None:
-            return 1.0
-        power = np.sqrt((before @ before) * (self._little @ self._little))
-        return float(before @ self._little / power) if power > 1e-9 else 1.0

@@ -7,13 +7,12 @@ import pytest
 
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.matches import rotation_from_matches
-from keypose.tracker.camera_motion.measurements import Measurements
+from keypose.tracker.camera_motion.measurements import Measured, Measurements
 from keypose.tracker.camera_motion.patches import MOST_KEPT, Patches
 from keypose.tracker.camera_motion.path import Turns
 from keypose.tracker.camera_motion.points import PointFollower
 from keypose.tracker.camera_motion.pose_graph import Edge, optimised
-from keypose.tracker.camera_motion.turn import Turn, linearised, solve_turn
-from keypose.tracker.camera_motion.turning_odometry import Measured
+from keypose.tracker.camera_motion.turn import SeenDirections, Turn, linearised, solve_turn
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation
@@ -32,7 +31,7 @@ def test_a_large_minority_that_moves_by_itself_is_refused() -> None:
     true, d = Turn(turned(4, -2, 3), 1.1), directions(100)
     seen = true.flat(d) + rng.normal(0, 0.1 / SMALL.fx, (100, 2))
     seen[:42] += np.array([30.0, 5.0]) / SMALL.fx
-    solved = solve_turn(d, seen, SMALL.fx, np.ones(100), [Turn.none()])
+    solved = solve_turn(SeenDirections.trusted(d, seen, SMALL.fx), [Turn.none()])
     assert solved is not None
     assert off_deg(solved.turn.R[None], [true.R]).max() < 0.02
     assert abs(solved.turn.zoom / 1.1 - 1) < 1e-3
@@ -46,7 +45,7 @@ def test_trust_outweighs_number() -> None:
     seen = Turn(turned(1.0), 1.0).flat(d)
     seen[:60] = Turn(turned(-2.0), 1.0).flat(d[:60])
     trust = np.where(np.arange(100) < 60, 0.2, 1.0)
-    solved = solve_turn(d, seen, SMALL.fx, trust, [Turn.none()])
+    solved = solve_turn(SeenDirections(d, seen, SMALL.fx, trust), [Turn.none()])
     assert solved is not None
     assert off_deg(solved.turn.R[None], [turned(1.0)]).max() < 0.02
 
@@ -55,7 +54,7 @@ def test_the_covariance_is_that_of_the_errors() -> None:
     rng, d, misses = np.random.default_rng(2), directions(60), []
     for _ in range(60):
         seen = Turn.none().flat(d) + rng.normal(0, 0.2 / SMALL.fx, (60, 2))
-        solved = solve_turn(d, seen, SMALL.fx, np.ones(60), [Turn.none()])
+        solved = solve_turn(SeenDirections.trusted(d, seen, SMALL.fx), [Turn.none()])
         assert solved is not None
         miss = np.append(log_rotation(solved.turn.R), np.log(solved.turn.zoom))
         misses.append(miss @ solved.information @ miss)
@@ -63,11 +62,12 @@ def test_the_covariance_is_that_of_the_errors() -> None:
 
 
 def test_the_slope_is_the_derivative() -> None:
-    turn, d, seen = Turn(turned(3, 2, 1), 1.2), directions(5), np.zeros((5, 2))
-    before, J = linearised(turn, d, seen, SMALL.fx)
+    turn = Turn(turned(3, 2, 1), 1.2)
+    seen = SeenDirections.trusted(directions(5), np.zeros((5, 2)), SMALL.fx)
+    before, J = linearised(turn, seen)
     for axis in range(4):
         step = 1e-6 * np.eye(4)[axis]
-        after, _ = linearised(turn.moved(step), d, seen, SMALL.fx)
+        after, _ = linearised(turn.moved(step), seen)
         assert np.allclose((before - after) / 1e-6, J[..., axis], rtol=1e-3, atol=1e-2)
 
 
