@@ -1,12 +1,15 @@
+"""Bundle adjustment: poses and depths that explain best where points are seen."""
+
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from keypose.tracker.camera_motion import bundle as bundles
-from keypose.tracker.camera_motion.bundle import adjusted, away, nudged, relative
+from keypose.tracker.camera_motion.bundle import adjusted, away, cost_of, nudged, relative
 from tests.tracker.camera_motion.place_cases import Place, bundle_of, off_by
 
 
@@ -62,4 +65,56 @@ def test_a_point_behind_a_camera_is_infinitely_far_from_where_it_is_seen():
     Ts[-1, :3, :3] = np.diag([-1.0, 1.0, -1.0]) @ Ts[-1, :3, :3]
     turned = replace(bundle, Ts=Ts)
     assert np.isinf(away(turned)[turned.view == len(Ts) - 1]).all()
+    assert np.isfinite(cost_of(turned))
     assert np.isfinite(adjusted(turned, steps=2)[0].Ts).all()
+
+
+def test_an_adjustment_never_raises_the_cost_and_more_steps_lower_it():
+    start, _ = bundle_of(Place.of(), outliers=0.05, off=0.03)
+    costs = [cost_of(adjusted(start, steps)[0]) for steps in (0, 1, 3, 10, 30)]
+    assert costs[0] == cost_of(start)
+    assert all(after <= before for before, after in pairwise(costs))
+    assert costs[-1] < 0.1 * costs[0]
+
+
+def test_views_that_are_held_stay_to_the_last_digit():
+    start, _ = bundle_of(Place.of())
+    end = adjusted(start, steps=10)[0]
+    np.testing.assert_array_equal(end.Ts[~start.free], start.Ts[~start.free])
+    assert (end.Ts[start.free] != start.Ts[start.free]).any(axis=(1, 2)).all()
+
+
+def test_with_all_views_held_the_depths_alone_are_found():
+    place = Place.of()
+    start, depths = bundle_of(place)
+    held = replace(start, Ts=place.Ts, free=np.zeros(len(place.Ts), bool))
+    end, spread = adjusted(held, steps=20)
+    np.testing.assert_array_equal(end.Ts, place.Ts)
+    assert 0.4 < np.median(np.abs(end.depths - depths) / spread) < 1.0
+
+
+def test_a_point_that_few_see_stays_near_what_was_expected_of_its_depth():
+    start, _ = bundle_of(Place.of())
+    unseen = 3
+    rows = np.flatnonzero(start.point != unseen)
+    end, spread = adjusted(start.only(rows), steps=20)
+    assert end.depths[unseen] == pytest.approx(start.mean[unseen])
+    assert spread[unseen] == pytest.approx(start.spread[unseen])
+
+
+def test_residuals_are_in_standard_deviations():
+    start, depths = bundle_of(Place.of(), off=0.0)
+    exact = replace(start, depths=depths)
+    assert np.median(away(exact)) == pytest.approx(1.18, rel=0.05)
+    np.testing.assert_allclose(away(replace(exact, noise=2 * start.noise)), away(exact) / 2)
+
+
+def test_an_outlier_hardly_moves_what_others_tell():
+    start, _ = bundle_of(Place.of())
+    right = adjusted(start, steps=20)[0]
+    xy = start.xy.copy()
+    xy[5] += 0.2  # 720 standard deviations
+    astray = adjusted(replace(start, xy=xy), steps=20)[0]
+    errors = [off_by(T, true) for T, true in zip(astray.Ts, right.Ts, strict=True)]
+    assert max(turn for turn, _ in errors) < 0.01
+    assert max(shift for _, shift in errors) < 0.003

@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion import CameraMotion, find_camera_motion
-from keypose.tracker.camera_motion.findings import are_faded
 from keypose.tracker.errors import CameraError
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import transform
@@ -248,24 +247,6 @@ def test_a_fade_is_not_taken_for_a_background_that_moves(
     assert {*np.flatnonzero(~found.known)} <= {*range(first, last + 1)}
     for finding in found.findings:
         assert first <= finding.first_frame <= finding.last_frame <= last
-
-
-CONTRASTS: dict[str, tuple[list[float], list[int]]] = {
-    "a steady film": ([40.0, 41.0] * 20, []),
-    "a night film": ([3.0] * 30, [*range(30)]),
-    "five black frames": ([0.0] * 5 + [40.0] * 35, [*range(5), *range(6, 11)]),
-    "a slow fade": ([*np.linspace(0, 40, 20)] + [40.0] * 40, [*range(23)]),
-    "a flash": ([40.0] * 20 + [0.0] + [40.0] * 20, [14, 20, 26]),
-    "what cannot be read": ([np.nan] * 10 + [40.0] * 30, []),
-    "nothing": ([np.nan] * 4, []),
-}
-"""Of the pictures of a film, and those that are faint or fade."""
-
-
-@pytest.mark.parametrize("case", CONTRASTS)
-def test_pictures_that_fade_are_known_by_the_contrast_of_the_film(case: str) -> None:
-    contrasts, faded = CONTRASTS[case]
-    assert np.flatnonzero(are_faded(np.array(contrasts))).tolist() == faded
 
 
 def test_a_pan_tells_the_focal_length() -> None:

@@ -1,11 +1,13 @@
+"""A camera is found in one picture by points whose places are known more or less."""
+
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from keypose.tracker.camera_motion import resection
 from keypose.tracker.camera_motion.bundle import nudged
 from keypose.tracker.camera_motion.resection import SeenPoints, resected
-from keypose.tracker.camera_motion.two_views import parallax, two_views
 from keypose.tracker.geometry.rotations import exp_rotation, transform
 from tests.tracker.camera_motion.place_cases import NOISE, Place, off_by
 
@@ -63,32 +65,66 @@ def test_points_at_infinity_tell_how_the_camera_turned_and_leave_it_where_it_was
     np.testing.assert_allclose(found.T, transform(R, np.zeros(3)), atol=1e-5)
 
 
-def test_two_pictures_tell_the_motion_between_them_but_for_its_length():
+@pytest.mark.parametrize("off", [0.001, 0.02, 0.06])
+def test_a_camera_is_found_from_as_far_as_the_start_may_be(off: float) -> None:
     place = Place.of()
-    (xy, z), rng = place.seen, np.random.default_rng(4)
-    other = xy[3] + NOISE * rng.standard_normal(xy[3].shape)
-    other[:30] += rng.normal(0, 0.05, (30, 2))
-    found = two_views(xy[0], other, NOISE)
-    assert found is not None
-    way, true = found.T[:3, 3], place.Ts[3, :3, 3]
-    unit = np.linalg.norm(true) / np.linalg.norm(way)
-    turn, shift = off_by(transform(found.T[:3, :3], unit * way), place.Ts[3])
-    assert turn < 0.1
-    assert shift < 0.02
-    agree = found.agree
-    assert not agree[:30].any() or agree[30:].mean() > 5 * agree[:30].mean()
-    np.testing.assert_allclose(found.depths[agree] / unit, 1 / z[0][agree], rtol=0.15)
+    start = nudged(place.Ts[5], np.random.default_rng(0).normal(0, off, 6))
+    found = resected(start, _seen(place, 5), NOISE, step_sd=1.0)
+    turn, shift = off_by(found.T, place.Ts[5])
+    assert turn < 0.02
+    assert shift < 0.003
 
 
-def test_a_turn_has_no_parallax_and_a_step_has():
-    xy = Place.of().seen[0]
-    rays = np.concatenate([xy[0], np.ones((len(xy[0]), 1))], axis=1)
-    Y = rays @ exp_rotation([0.1, 0.2, 0.1]).T
-    assert parallax(xy[0], Y[:, :2] / Y[:, 2:], NOISE) < 1e-6
-    assert parallax(xy[0], xy[2], NOISE) > 20
+def test_without_steps_the_camera_stays_and_says_how_far_points_are_off() -> None:
+    place = Place.of()
+    found = resected(place.Ts[6], _seen(place, 6), NOISE, 1.0, ())
+    np.testing.assert_array_equal(found.T, place.Ts[6])
+    assert found.error == pytest.approx(1.18, rel=0.15)  # the median of two normal numbers
+    assert found.agree.mean() > 0.97
 
 
-def test_too_few_points_and_points_that_go_anywhere_tell_no_motion():
-    xy, rng = Place.of().seen[0], np.random.default_rng(5)
-    assert two_views(xy[0][:10], xy[3][:10], NOISE) is None
-    assert two_views(xy[0], rng.uniform(-0.5, 0.5, xy[0].shape), NOISE) is None
+def test_a_step_that_is_unlikely_is_taken_where_points_show_it_and_not_where_they_do_not() -> None:
+    place = Place.of()
+    seen = _seen(place, 6)
+    near, far = (resected(place.Ts[5], seen, NOISE, step_sd).T for step_sd in (1e-7, 1.0))
+    assert off_by(far, place.Ts[6])[1] < 0.003
+    here = np.linalg.inv(near)[:3, 3] - np.linalg.inv(place.Ts[5])[:3, 3]
+    assert np.linalg.norm(here) < 0.01  # it is held where it was
+
+
+def test_points_and_how_far_a_camera_goes_agree_on_one_pose_however_many_the_steps() -> None:
+    place = Place.of()
+    seen, noise = _seen(place, 6), 300 * NOISE
+    few, many = (resected(place.Ts[4], seen, noise, 0.1, (1.0,) * n).T for n in (6, 30))
+    way, whole = (off_by(T, place.Ts[4])[1] for T in (few, place.Ts[6]))
+    assert 0.1 * whole < way < 0.9 * whole
+    assert off_by(few, many)[1] < 0.02 * whole
+
+
+def test_points_behind_the_camera_do_not_agree() -> None:
+    place = Place.of()
+    seen = _seen(place, 4)
+    seen.world[:20] *= -1
+    found = resected(place.Ts[4], seen, NOISE, 1.0)
+    assert not found.agree[:20].any()
+    assert off_by(found.T, place.Ts[4])[0] < 0.02
+
+
+def test_by_no_point_the_camera_stays_where_it_is_and_no_error_is_said() -> None:
+    none = np.zeros(0)
+    seen = SeenPoints(np.zeros((0, 3)), none, none, np.zeros((0, 3)), np.zeros((0, 2)))
+    T = Place.of().Ts[3]
+    found = resected(T, seen, NOISE, 0.1)
+    np.testing.assert_allclose(found.T, T, atol=1e-12)
+    assert np.isnan(found.error)
+
+
+def test_three_points_tell_a_pose_and_one_leaves_it_near_the_start() -> None:
+    place = Place.of()
+    exact = _seen(place, 5)
+    names = ("world", "depths", "spread", "eyes", "xy")
+    few = [SeenPoints(**{name: getattr(exact, name)[:count] for name in names}) for count in (3, 1)]
+    start = nudged(place.Ts[5], np.full(6, 0.002))
+    by_three, by_one = (resected(start, seen, NOISE, 0.1).T for seen in few)
+    assert off_by(by_three, place.Ts[5])[0] < 0.5
+    assert off_by(by_one, start)[1] < 0.1
