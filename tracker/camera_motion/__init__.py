@@ -5,7 +5,7 @@
     found.path      # a CameraPath, or None for a static camera
 
 Where it moves (and does not zoom), its path is found in a second pass, in a unit of its own, and
-feet that stand tell how long that is:
+feet that stand show how long that is:
 
     moved = find_moved_path(pictures, camera, frame_count, background)
     scale = scale_from_stances(moved.path, [StandingPoint(12, p_camera_foot), ...])

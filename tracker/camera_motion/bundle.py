@@ -1,9 +1,9 @@
 """Bundle adjustment: where a camera was in several views, and how far all points are, in one solve.
 
 A point lies at an inverse depth along its ray in its *anchor*, the view in which it was first seen:
-0 is infinitely far, so that a point whose depth nothing tells yet is as good as any. What is
-minimised are the distances between where points are seen and where they should be, in standard
-deviations, weighed by Cauchy's kernel; depths are eliminated exactly (Schur), one number each.
+0 is infinitely far, so that a point of unknown depth is as good as any. What is minimised are the
+distances between where points are seen and where they should be, in standard deviations, weighed by
+Cauchy's kernel; depths are eliminated exactly (Schur), one number each.
 
 Where points are seen is x/z and y/z. Lengths have one unit, whichever it is.
 """
@@ -28,13 +28,13 @@ Indices = NDArray[np.int64]
 KERNEL = Cauchy(2.0)
 """Of residuals, standard deviations."""
 FARTHEST = 1e3
-"""Standard deviations that the cost tells apart: so is that of a point behind a camera finite."""
+"""Standard deviations, beyond which the cost rises no more: that of a point behind is finite."""
 LEAST_DEPTH = 1e-3
 """Of a point before the camera, its depth at its anchor the unit."""
 DENSE = 24
 """Views that may move, with more of which the equations are kept sparse."""
 MOST_AT_ONCE = 20_000
-"""Observations whose slopes are in memory at a time."""
+"""Observations whose Jacobians are in memory at a time."""
 ADJUSTING = Criteria(most_tries=4, gain=1e-4, damping=Damping(first=1e-4, easier=5.0))
 """Of an adjustment from near by, which a hundredth of a percent of the cost ends."""
 
@@ -74,19 +74,19 @@ def adjusted(bundle: Bundle, steps: int) -> tuple[Bundle, Array]:
     return solution.state, 1 / np.sqrt(solution.here.equations.H_depth)
 
 
-def away(bundle: Bundle) -> Array:
+def residual_lengths(bundle: Bundle) -> Array:
     """Distances (N,) of what is seen from where it should be, standard deviations; inf behind."""
-    return _misses(bundle)[1]
+    return _residuals(bundle)[1]
 
 
 def cost_of(bundle: Bundle) -> float:
     """What is minimised: half the sum of squares, those of places robust."""
-    away_cost = KERNEL.loss(np.minimum(away(bundle), FARTHEST))
+    robust = KERNEL.loss(np.minimum(residual_lengths(bundle), FARTHEST))
     prior = ((bundle.depths - bundle.mean) / bundle.spread) ** 2
-    return 0.5 * float(away_cost.sum() + prior.sum())
+    return 0.5 * float(robust.sum() + prior.sum())
 
 
-def relative(bundle: Bundle) -> Array:
+def points_in_views(bundle: Bundle) -> Array:
     """Where points are in the views that see them (N, 3), their depth at anchor the unit."""
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
     anchor, depth = bundle.anchor, bundle.depths[:, None]
@@ -96,18 +96,18 @@ def relative(bundle: Bundle) -> Array:
     return np.asarray(np.einsum("nab,nb->na", R[i], in_world[j]) + depth[j] * t[i])
 
 
-def _misses(bundle: Bundle) -> tuple[Array, Array]:
+def _residuals(bundle: Bundle) -> tuple[Array, Array]:
     """Residuals (N, 2) and their lengths (N,), in standard deviations; inf behind."""
-    Y = relative(bundle)
+    Y = points_in_views(bundle)
     ahead = Y[:, 2] > LEAST_DEPTH
     z = np.where(ahead, Y[:, 2], 1.0)
-    miss = (Y[:, :2] / z[:, None] - bundle.xy) / bundle.noise
-    return miss, np.where(ahead, np.linalg.norm(miss, axis=1), np.inf)
+    residual = (Y[:, :2] / z[:, None] - bundle.xy) / bundle.noise
+    return residual, np.where(ahead, np.linalg.norm(residual, axis=1), np.inf)
 
 
 @dataclass(frozen=True, eq=False)
 class _Batch:
-    """Some of the observations, few enough to have their slopes in memory.
+    """Some of the observations, few enough to have their Jacobians in memory.
 
     rows: sorted by the slots of view and anchor.  pairs (R, 2): slots that occur together, and
     starts (R,): where in the rows each pair begins.
@@ -150,11 +150,13 @@ class _Layout:
         sums, cross = [], []
         for batch in self.batches:
             part = bundle.only(batch.rows)
-            J, depth, miss, weight = _slopes(part)
+            J, depth, residual, weight = _jacobians(part)
             wJ, count = weight[:, None, None] * J, len(bundle.anchor)
             H_depth += np.bincount(part.point, weight * (depth**2).sum(axis=1), count)
-            g_depth += np.bincount(part.point, weight * (depth * miss).sum(axis=1), count)
-            blocks = np.concatenate([transpose(wJ) @ J, transpose(wJ) @ miss[..., None]], axis=2)
+            g_depth += np.bincount(part.point, weight * (depth * residual).sum(axis=1), count)
+            blocks = np.concatenate(
+                [transpose(wJ) @ J, transpose(wJ) @ residual[..., None]], axis=2
+            )
             sums.append(np.add.reduceat(blocks, batch.starts, axis=0))
             cross.append(self._cross(part, np.einsum("nka,nk->na", wJ, depth)))
         pairs = np.concatenate([batch.pairs for batch in self.batches])
@@ -234,7 +236,7 @@ class _Equations:
 
 @dataclass(frozen=True, eq=False)
 class _Adjusted:
-    """What is known of a bundle on the way."""
+    """A bundle on the way, and its cost and equations there."""
 
     bundle: Bundle
     layout: _Layout
@@ -276,16 +278,16 @@ def nudged(Ts: Array, steps: Array) -> Array:
     return moved
 
 
-def _slopes(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
-    """Slopes (N, 2, 12) of the residuals by view and anchor, (N, 2) by depth, the residuals
+def _jacobians(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
+    """Jacobians (N, 2, 12) of the residuals by view and anchor, (N, 2) by depth, the residuals
     (N, 2) and the weights (N,).
     """
-    Y, (miss, length) = relative(bundle), _misses(bundle)
+    Y, (residual, length) = points_in_views(bundle), _residuals(bundle)
     i, j = bundle.view, bundle.point
     R, t = bundle.Ts[:, :3, :3], bundle.Ts[:, :3, 3]
     anchor, depth = bundle.anchor[j], bundle.depths[j]
     weight = KERNEL.weight(length)
-    P = projection_slopes(Y) / bundle.noise
+    P = projection_jacobian(Y) / bundle.noise
     PR = P @ R[i] @ transpose(R[anchor])
     # of the camera frame's motion v, w: δY = depth v + w × Y; of the anchor's: turned back
     b = np.concatenate([bundle.rays[j], np.ones((len(j), 1))], axis=1)
@@ -293,10 +295,10 @@ def _slopes(bundle: Bundle) -> tuple[Array, Array, Array, Array]:
     anchors = -np.concatenate([PR * depth[:, None, None], cross_rows(PR, b)], axis=2)
     shift = t[i] - np.einsum("nab,ncb,nc->na", R[i], R[anchor], t[anchor], optimize=True)
     by_depth = np.einsum("nka,na->nk", P, shift)
-    return np.concatenate([own, anchors], axis=2), by_depth, miss, weight
+    return np.concatenate([own, anchors], axis=2), by_depth, residual, weight
 
 
-def projection_slopes(Y: Array) -> Array:
+def projection_jacobian(Y: Array) -> Array:
     """(N, 2, 3) of x/z and y/z by the place (N, 3); what is behind counts as just before."""
     z = np.maximum(Y[:, 2], LEAST_DEPTH)
     P = np.zeros((len(Y), 2, 3))

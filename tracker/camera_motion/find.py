@@ -1,4 +1,4 @@
-"""Find how a film's camera turned and zoomed, or where it went, from its background: the way in."""
+"""Find how a film's camera turned and zoomed, or where it went, from its background."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ STILL_ASIDE_SHARE = 0.6
 
 @dataclass(frozen=True, eq=False)
 class CameraMotion:
-    """What a film tells of its camera.
+    """The camera's motion as a film shows it.
 
     kind: "static", "turns" (and zooms), or "moves": then `path` is the turning that explains most.
     path: None for a static camera.  known (N,): at which frames it is measured; elsewhere it is
     bridged.  error_px (N,): median residual of the points that agree, pixels of the film, NaN
-    where unknown.  focal: the focal length that its turning tells, None where it does not.
+    where unknown.  focal: the focal length by its turning, None where that is not observable.
     pieces: first frames of what hangs together; nothing ties one to those before it.
     """
 
@@ -139,7 +139,7 @@ def _kind(
         turns: of all frames.
         camera: its lens.
         odometry: that measured them.
-        focal: the focal length that the turns tell; None where they do not.
+        focal: the focal length by the turns; None where that is not observable.
     """
     # a wrong focal length leaves points aside as well
     aside = min(_aside(odometry.summaries), 1.0 if focal is None else focal.aside)
@@ -217,7 +217,7 @@ class MovedPath:
     moves: whether the film shows that the camera was elsewhere than at the first frame; else it
     is turned only.  known (N,): at which frames it is measured; elsewhere it is bridged.
     error_px (N,): median residual of the points that agree, pixels of the film, NaN where unknown.
-    focal: the focal length that the first piece tells, where that was asked for.
+    focal: the focal length by the first piece, where that was asked for.
     """
 
     path: CameraPath

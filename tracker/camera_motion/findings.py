@@ -30,7 +30,7 @@ class Finding:
     no_picture: the frames cannot be read.
     rolling_shutter: rows are exposed one after another; amount: the share of the time between
     frames that it takes from the first row to the last, 0 where that is not taken out.
-    no_parallax: nothing shows that the camera was elsewhere than at the first frame, so its way is
+    no_parallax: nothing shows that the camera was elsewhere than at the first frame, so its path is
     not known; amount 1.
     """
 

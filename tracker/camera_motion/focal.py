@@ -9,8 +9,7 @@ the camera's numbers have not is taken for focal length in part.
 Of a camera that moves the bundle of the first keyframes is adjusted with other focal lengths: with
 a wrong one, no poses explain what is seen. Where its cost is least is the length, and how steeply
 it rises from there says how sure that is. It is a proposal: where the camera's own number is far
-off, points are lost that would have told. It holds where a path that is found with it tells no
-other.
+off, points are lost that would show it. It holds where a path that is found with it shows no other.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from keypose.tracker.camera_motion.bundle import Bundle, adjusted, away, cost_of
+from keypose.tracker.camera_motion.bundle import Bundle, adjusted, cost_of, residual_lengths
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.point_map import PointMap
 from keypose.tracker.camera_motion.turn import SeenDirections, Solved, Turn, solve_turn
@@ -29,7 +28,7 @@ from keypose.tracker.solver.robust import GemanMcClure
 
 MOST_PAIRS = 24
 """Pairs that are asked, those farthest apart: a bound on the time."""
-LEAST_AWAY = 0.04
+LEAST_DISPLACEMENT = 0.04
 """Way of the picture between a pair, as a share of its width, below which it says nothing."""
 GRID = np.linspace(-0.8, 0.8, 17)
 """Logarithms of the focal lengths tried, as a multiple of the camera's."""
@@ -62,13 +61,13 @@ FARTHEST = 0.6
 @dataclass(frozen=True, eq=False)
 class Pair:
     """Points uv (K, 2) of a picture and where they are in a later one, uv_later (K, 2), pixels of
-    the film; the zooms of both, and by what share of its width the picture went away between.
+    the film; the zooms of both, and by what share of its width the picture was displaced.
     """
 
     uv: Array
     uv_later: Array
     zooms: tuple[float, float]
-    away: float
+    displacement: float
 
 
 @dataclass(frozen=True)
@@ -82,15 +81,17 @@ class FocalScale:
     aside: float
 
 
-def focal_scale(lens: Lens, look: float, pairs: Sequence[Pair]) -> FocalScale | None:
-    """Find the focal length from pairs of pictures; None where they do not tell it.
+def focal_scale(lens: Lens, scale: float, pairs: Sequence[Pair]) -> FocalScale | None:
+    """Find the focal length from pairs of pictures; None where it is not
+    observable.
 
-    look: from pixels of the film to those in which noise is known.
+    scale: from pixels of the film to those in which noise is known.
     """
-    chosen = sorted((p for p in pairs if p.away >= LEAST_AWAY), key=lambda p: -p.away)[:MOST_PAIRS]
+    wide = (pair for pair in pairs if pair.displacement >= LEAST_DISPLACEMENT)
+    chosen = sorted(wide, key=lambda pair: -pair.displacement)[:MOST_PAIRS]
     if not chosen:
         return None
-    looked, near = _Looked(lens, look), GRID
+    looked, near = _Looked(lens, scale), GRID
     for reach in (*NEARER, 0.0):
         costs = np.stack([_costs(looked, pair, near) for pair in chosen])
         best = near[costs.sum(axis=0).argmin()]
@@ -106,8 +107,8 @@ def focal_scale(lens: Lens, look: float, pairs: Sequence[Pair]) -> FocalScale | 
     at, sigma = least[0], max(least[1], _by_leaving_out(near, costs, least[0]))
     if sigma > MOST_DOUBT:
         return None
-    left = np.concatenate([_left(looked, pair, at) for pair in chosen])
-    return FocalScale(float(np.exp(at)), sigma, float((left > ASIDE_PX).mean()))
+    residuals_px = np.concatenate([_residuals_px(looked, pair, at) for pair in chosen])
+    return FocalScale(float(np.exp(at)), sigma, float((residuals_px > ASIDE_PX).mean()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +121,8 @@ class _Looked:
 
 def _costs(lens: _Looked, pair: Pair, logs: Array) -> Array:
     """The costs of focal lengths' logarithms, all of one scale, so that they are smooth."""
-    left = np.stack([_left(lens, pair, log) for log in logs])
-    return np.asarray((GemanMcClure(NOISE_PX).loss(left) / NOISE_PX**2).sum(axis=1))
+    residuals_px = np.stack([_residuals_px(lens, pair, log) for log in logs])
+    return np.asarray((GemanMcClure(NOISE_PX).loss(residuals_px) / NOISE_PX**2).sum(axis=1))
 
 
 def _noise(lens: _Looked, pair: Pair, log: float) -> float:
@@ -130,7 +131,7 @@ def _noise(lens: _Looked, pair: Pair, log: float) -> float:
     return NOISE_PX if solved is None else max(NOISE_PX / 2, solved.noise_px)
 
 
-def _left(lens: _Looked, pair: Pair, log: float) -> Array:
+def _residuals_px(lens: _Looked, pair: Pair, log: float) -> Array:
     """What a focal length leaves of each point (K,), pixels looked at; much where it explains
     none."""
     solved = _solved(lens, pair, log)
@@ -171,7 +172,8 @@ def _by_leaving_out(logs: Array, costs: Array, at: float) -> float:
 
 
 def focal_of_map(point_map: PointMap) -> FocalScale | None:
-    """Find the focal length from the map of a camera that moves; None where it does not tell it."""
+    """Find the focal length from the map of a camera that moves; None where it is
+    not observable."""
     if not point_map.has_depths or len(point_map.keyframes) < FEWEST_KEYFRAMES:
         return None
     bundle_of_first = point_map.bundle(range(min(len(point_map.keyframes), KEYFRAMES)), 1)
@@ -191,7 +193,7 @@ def focal_of_map(point_map: PointMap) -> FocalScale | None:
         log += float(np.clip(0.5 * width * (costs[0] - costs[2]) / bend, -2 * width, 2 * width))
         if abs(log) > FARTHEST:
             return None
-    aside = float((away(adjusted(_with(bundle, log), STEPS)[0]) > ASIDE).mean())
+    aside = float((residual_lengths(adjusted(_with(bundle, log), STEPS)[0]) > ASIDE).mean())
     return FocalScale(float(np.exp(log)), sd, aside)
 
 

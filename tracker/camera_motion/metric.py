@@ -1,6 +1,6 @@
 """Find how long a path's unit is, in metres, by the body: feet that stand, or how it moves.
 
-Pictures tell where a camera went but for the scale. A body that is tracked is known in metres, in
+Pictures show where a camera went up to scale. A body that is tracked is known in metres, in
 the camera's frame of every frame. While a foot stands, its place in the world is one:
 R p + s c is the same at all its frames, where the camera was at c in the path's unit, is turned by
 R and sees the foot at p. That is linear in s and in the feet's places.
@@ -58,7 +58,7 @@ class StandingPoint:
 
 @dataclass(frozen=True)
 class PathScale:
-    """metres: of the path's unit.  sd: its standard deviation.  points: how many tell it."""
+    """metres: of the path's unit.  sd: its standard deviation.  points: how many it rests on."""
 
     metres: float
     sd: float
@@ -67,7 +67,7 @@ class PathScale:
 
 def scale_from_stances(path: CameraPath, standing: Sequence[StandingPoint]) -> PathScale | None:
     """The scale by least squares, robust to stances that slide; None where the camera moved too
-    little while feet stood to tell it.
+    little while feet stood for it to be observable.
     """
     stances = [_Stance.of(path, point) for point in standing if len(point.p_camera) > 1]
     if not stances:
@@ -148,7 +148,7 @@ def _sd(stances: Sequence[_Stance], weights: Sequence[Array], s: float, power: f
 
 def scale_from_smoothness(path: CameraPath, first_frame: int, p_camera: Array) -> PathScale | None:
     """The scale that leaves a point of the body the least acceleration in the world; None where the
-    camera shook too little to tell it.
+    camera shook too little for it to be observable.
 
     p_camera: (n, 3) metres, in the camera's frame at `first_frame` and those that follow.
     """

@@ -1,8 +1,8 @@
 """Visual odometry of a camera that moves: each frame is found by the landmarks in it (resection).
 
 Until the camera is seen to move it is turned only. Then the two pictures with the widest parallax
-tell how it moved and how far landmarks are; frames before are found anew. Some frames become
-keyframes, adjusted together, and all are found once more when landmarks are known better.
+give the motion between them and the depths of landmarks; frames before are found anew. Some frames
+become keyframes, adjusted together, and all are found once more when landmarks are known better.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ class MovingOdometry:
         self._find(rough, followed, usable)
 
     def focal(self) -> FocalScale | None:
-        """The focal length that the map tells, after the path is finished."""
+        """The focal length by the map, after the path is finished."""
         return focal_of_map(self._map)
 
     def drop_last(self) -> None:

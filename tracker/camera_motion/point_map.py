@@ -18,8 +18,8 @@ from keypose.tracker.camera_motion.bundle import (
     Bundle,
     Indices,
     adjusted,
-    away,
-    projection_slopes,
+    projection_jacobian,
+    residual_lengths,
 )
 from keypose.tracker.camera_motion.patches import BORDER_PX, Patches
 from keypose.tracker.camera_motion.points import Mask, PointFollower
@@ -31,7 +31,7 @@ from keypose.tracker.geometry.rotations import Array
 FREE = 12
 """Keyframes adjusted together as they come, the latest."""
 HELD = 6
-"""Keyframes before these that are held, and tell where these are."""
+"""Keyframes before these that are held: they fix the gauge."""
 SPREAD = 1.0
 """Standard deviation of an inverse depth of which nothing is known, over the usual one."""
 WITH_POSES = 2.0
@@ -205,7 +205,7 @@ class PointMap:
         now = self.points.now
         assert now is not None
         R = T[:3, :3] @ np.swapaxes(self._anchors(ids)[:, :3, :3], 1, 2)
-        warps = projection_slopes(self._ahead(T, ids)) @ R[:, :, :2]
+        warps = projection_jacobian(self._ahead(T, ids)) @ R[:, :, :2]
         size = np.sqrt(np.abs(np.linalg.det(warps)))
         fair = np.flatnonzero((size > LEAST_WARP) & (size < MOST_WARP))
         there, is_registered = uv.copy(), np.zeros(len(ids), np.bool_)
@@ -218,8 +218,8 @@ class PointMap:
     # --- adjustment
 
     def begin(self, first: Keyframe, second: Keyframe, ids: Indices, two_views: TwoViews) -> None:
-        """Take what two keyframes tell: where the second was, and how far landmarks are. All
-        keyframes before were where the first was.
+        """Begin with two-view geometry: the pose of the second keyframe, the depths of landmarks.
+        All keyframes before were where the first was.
 
         Args:
             first: whose rays the depths are along.
@@ -298,7 +298,7 @@ class PointMap:
 
 def _median_residuals(bundle: Bundle) -> Array:
     """The median residual (P,) of every point, standard deviations."""
-    distance = away(bundle)
+    distance = residual_lengths(bundle)
     order = np.lexsort((distance, bundle.point))
     counts = np.bincount(bundle.point, minlength=len(bundle.anchor))
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])

@@ -77,7 +77,7 @@ class _Flow:
     settled_px: float
 
     def options(self, halvings: int) -> dict[str, object]:
-        """What OpenCV is told."""
+        """As OpenCV takes them."""
         criteria = cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, self.steps, self.settled_px
         flags = cv2.OPTFLOW_USE_INITIAL_FLOW
         options = {"winSize": self.window, "maxLevel": halvings, "criteria": criteria}

@@ -24,7 +24,7 @@ INLIER = 3.0
 DONE = 2e-5
 """Radians, and usual depths, of a step after which the camera is where it is."""
 LEAST_TURN_PRECISION = 1e-6
-"""Rad⁻²: keeps the equations solvable where no point tells a turn."""
+"""Rad⁻²: keeps the equations solvable where a turn is not observable."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,11 +74,11 @@ def resected(
     held = np.diag([1 / step_sd**2] * 3 + [LEAST_TURN_PRECISION] * 3)
 
     def step(T: Array, count: int) -> Array:
-        J, miss, length = _whitened(T, seen_points, scales[count] * noise)
+        J, residual, length = _whitened(T, seen_points, scales[count] * noise)
         wJ = J * KERNEL.weight(length)
         gone = T[:3, 3] - T[:3, :3] @ start[:3, :3].T @ start[:3, 3]  # in the camera's frame
         H = wJ.reshape(6, -1) @ J.reshape(6, -1).T + held
-        g = wJ.reshape(6, -1) @ miss.ravel()
+        g = wJ.reshape(6, -1) @ residual.ravel()
         g[:3] += gone / step_sd**2
         return -np.asarray(np.linalg.solve(H, g), float)
 
@@ -106,13 +106,13 @@ def _nudged(T: Array, step: Array) -> Array:
 
 
 def _whitened(T: Array, seen_points: SeenPoints, noise: float) -> tuple[Array, Array, Array]:
-    """Slopes (6, 2, K), residuals (2, K) and their lengths (K,), in standard deviations."""
+    """Jacobian (6, 2, K), residuals (2, K) and their lengths (K,), in standard deviations."""
     R, t, depth = T[:3, :3], T[:3, 3:], seen_points.depths
     Y = R @ seen_points.world.T + depth * t
     ahead = Y[2] > LEAST_DEPTH
     near = 1 / np.where(ahead, Y[2], 1.0)
     u, v = xy = Y[:2] * near
-    miss = xy - seen_points.xy.T
+    residual = xy - seen_points.xy.T
     shift = R @ seen_points.eyes.T + t
     along = near * (shift[:2] - xy * shift[2])
     length = np.sqrt((along**2).sum(axis=0))
@@ -124,5 +124,5 @@ def _whitened(T: Array, seen_points: SeenPoints, noise: float) -> tuple[Array, A
     J = np.stack([a, zero, zero, a, -a * u, -a * v, -uv, -1 - v * v, 1 + u * u, uv, -v, u])
     J = J.reshape(6, 2, -1)
     J = (J - (J * unit).sum(axis=1, keepdims=True) * (kept * unit)) * (ahead / noise)
-    miss = (miss - (miss * unit).sum(axis=0) * (kept * unit)) * (ahead / noise)
-    return J, miss, np.where(ahead, np.linalg.norm(miss, axis=0), np.inf)
+    residual = (residual - (residual * unit).sum(axis=0) * (kept * unit)) * (ahead / noise)
+    return J, residual, np.where(ahead, np.linalg.norm(residual, axis=0), np.inf)

@@ -34,8 +34,8 @@ USED_SIGMAS = 3.0
 
 @dataclass(eq=False)
 class Shutter:
-    """The readouts (2,) along u and v, from the first column or row to the last, as the frames so
-    far told them, and their information (2, 2). size: of the film's pictures.
+    """The readouts (2,) along u and v, from the first column or row to the last, as estimated from
+    the frames so far, and their information (2, 2). size: of the film's pictures.
     """
 
     size: tuple[int, int]

@@ -171,7 +171,7 @@ def solve_turn(
     shear: Shear | None = None,
 ) -> Solved | None:
     """Find the turn that shows directions where they are seen; None with too few of them, or where
-    they do not tell it.
+    it is not observable.
 
     Args:
         points: the directions.
@@ -287,7 +287,7 @@ def linearised(turn: Turn, points: SeenDirections) -> tuple[Array, Array]:
 
 
 def _spread(error: Array, trust: Array) -> float:
-    """The scale of the weights by the noise along an axis, told by the nearest half."""
+    """The scale of the weights by the noise along an axis, by the nearest half."""
     trusted = error[trust > 0.5] if (trust > 0.5).sum() >= FEWEST else error
     noise = np.partition(trusted, len(trusted) // 2)[len(trusted) // 2] / MEDIAN_OF_TWO
     return float(np.clip(SPREAD_SIGMAS * noise, LEAST_SCALE_PX, MOST_SCALE_PX))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.direction_map import SYSTEMATIC_PX, DirectionMap
 from keypose.tracker.camera_motion.findings import Likeness
-from keypose.tracker.camera_motion.focal import LEAST_AWAY, MOST_PAIRS, Pair
+from keypose.tracker.camera_motion.focal import LEAST_DISPLACEMENT, MOST_PAIRS, Pair
 from keypose.tracker.camera_motion.lens import Lens, unit
 from keypose.tracker.camera_motion.measurements import Cause, Measured
 from keypose.tracker.camera_motion.points import Grey, KeyframePicture, Mask, PointFollower
@@ -53,8 +53,8 @@ SAME_LIKENESS = 0.7
 """Correlation above which they show one scene."""
 TRACKED_SHARE = 0.6
 """A new keyframe is due where this share is left of the most points tracked so far."""
-AWAY_SHARE = 0.22
-"""Or where the picture went by this share of its width."""
+DISPLACED_SHARE = 0.22
+"""Or where the picture was displaced by this share of its width."""
 ROLL = np.radians(8.0)
 """Or where it rolled so far that windows no longer look alike."""
 ZOOM = 0.14
@@ -100,7 +100,7 @@ class TurningOdometry:
 
     map: the keyframes and landmarks.  summaries: what the points of each keyframe said.  cuts:
     frames at which the picture changed wholly.  untied: keyframes that are tied to nothing before
-    them.  pairs: of pictures that tell the focal length.
+    them.  pairs: of pictures that show the focal length.
     """
 
     def __init__(self, lens: Lens) -> None:
@@ -227,7 +227,7 @@ class TurningOdometry:
         return solve_turn(points, starts, scales, shear)
 
     def _holds(self, solved: Solved, tracked: NDArray[np.bool_]) -> bool:
-        """Whether enough points agree, and tell the turn."""
+        """Whether enough points agree, and the turn is sure."""
         visible = max(int(tracked.sum()), self._points.visible)
         if solved.agreeing < max(FEWEST_AGREE, SHARE_AGREE * visible):
             return False
@@ -263,10 +263,10 @@ class TurningOdometry:
             lever=solved.lever if solved.lever.size else np.zeros((4, 2)),
             readout=readout,
         )
-        away = self._away(tracked)
-        if away > FARTHER * (self._pair.away if self._pair else LEAST_AWAY):
-            self._take_pair(tracked, solved, away)
-        if self._is_due(tracked, solved.turn, away):
+        displacement = self._displacement(tracked)
+        if displacement > FARTHER * (self._pair.displacement if self._pair else LEAST_DISPLACEMENT):
+            self._take_pair(tracked, solved, displacement)
+        if self._is_due(tracked, solved.turn, displacement):
             self._advance_keyframe(agrees, measured)
         return measured
 
@@ -396,32 +396,33 @@ class TurningOdometry:
 
     # --- keyframes ---
 
-    def _away(self, tracked: NDArray[np.bool_]) -> float:
+    def _displacement(self, tracked: NDArray[np.bool_]) -> float:
         """How far the picture went since the keyframe, as a share of its width."""
         ways = self._uv[tracked] - self._current.picture.uv[tracked]
         return float(np.linalg.norm(np.median(ways, axis=0)) / self.lens.camera.width)
 
-    def _take_pair(self, tracked: NDArray[np.bool_], solved: Solved, away: float) -> None:
+    def _take_pair(self, tracked: NDArray[np.bool_], solved: Solved, displacement: float) -> None:
         """Keep the keyframe and this frame, so far the farthest from it, for the focal length."""
         zooms = self._zoom, self._zoom * solved.turn.zoom
         keyframe, straight = self._current, self.shutter.straightened
         rate = np.zeros(3) if keyframe.rate is None else keyframe.rate
         uv = straight(self.lens, keyframe.picture.uv[tracked], zooms[0], rate)
         uv_later = straight(self.lens, self._uv[tracked], zooms[1], self._rate)
-        self._pair = Pair(uv, uv_later, zooms, away)
+        self._pair = Pair(uv, uv_later, zooms, displacement)
 
     def _end_keyframe(self) -> None:
         """Take up what the points of the keyframe measured from said."""
         self.summaries.append(self._current.steady.summary())
         if self._pair is not None:
-            self.pairs = sorted([*self.pairs, self._pair], key=lambda p: -p.away)[:MOST_PAIRS]
+            pairs = sorted([*self.pairs, self._pair], key=lambda pair: -pair.displacement)
+            self.pairs = pairs[:MOST_PAIRS]
         self._pair = None
 
-    def _is_due(self, tracked: NDArray[np.bool_], turn: Turn, away: float) -> bool:
+    def _is_due(self, tracked: NDArray[np.bool_], turn: Turn, displacement: float) -> bool:
         """Whether a new keyframe is, of the points tracked (K,), the turn from the last one, and
         how far the picture went, as a share of its width."""
         roll = abs(np.arctan2(turn.R[1, 0], turn.R[0, 0]))
-        if away > AWAY_SHARE or roll > ROLL or abs(np.log(turn.zoom)) > ZOOM:
+        if displacement > DISPLACED_SHARE or roll > ROLL or abs(np.log(turn.zoom)) > ZOOM:
             return True
         keyframe = self._current
         keyframe.most_tracked = max(keyframe.most_tracked, int(tracked.sum()))

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.camera_motion.bundle import Bundle, adjusted, away
+from keypose.tracker.camera_motion.bundle import Bundle, adjusted, residual_lengths
 from keypose.tracker.geometry.rotations import Array, nearest_rotation, transform
 from keypose.tracker.solver.robust import Cauchy
 
@@ -130,7 +130,7 @@ def _adjusted(rough: TwoViews, xy: Array, xy_later: Array, noise: float) -> TwoV
         noise=noise,
     )
     bundle, spread = adjusted(bundle, STEPS)
-    agree = (away(bundle) < INLIER) & (bundle.depths > 0)
+    agree = (residual_lengths(bundle) < INLIER) & (bundle.depths > 0)
     if agree.mean() < LEAST_AGREE or agree.sum() < FEWEST:
         return None
     return TwoViews(bundle.Ts[1], bundle.depths, spread, agree)

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from keypose.tracker.camera_motion import bundle as bundles
-from keypose.tracker.camera_motion.bundle import adjusted, away, cost_of, nudged, relative
+from keypose.tracker.camera_motion.bundle import (
+    adjusted,
+    cost_of,
+    nudged,
+    points_in_views,
+    residual_lengths,
+)
 from tests.tracker.camera_motion.place_cases import Place, bundle_of, off_by
 
 
@@ -26,15 +32,15 @@ def test_places_and_depths_are_found_from_noisy_places_in_pictures_with_outliers
 
 def test_the_slopes_are_those_of_finite_differences():
     bundle, _ = bundle_of(Place.of(views=4, points=30))
-    J, by_depth, miss, _ = bundles._slopes(bundle)
+    J, by_depth, miss, _ = bundles._jacobians(bundle)
     for k in range(6):
         step = np.zeros((4, 6))
         step[2, k] = 1e-7
-        moved = bundles._misses(replace(bundle, Ts=nudged(bundle.Ts, step)))[0]
+        moved = bundles._residuals(replace(bundle, Ts=nudged(bundle.Ts, step)))[0]
         own = (bundle.view == 2)[:, None] * J[..., k]
         anchors = (bundle.anchor[bundle.point] == 2)[:, None] * J[..., 6 + k]
         np.testing.assert_allclose((moved - miss) / 1e-7, own + anchors, atol=1e-3)
-    moved = bundles._misses(replace(bundle, depths=bundle.depths + 1e-7))[0]
+    moved = bundles._residuals(replace(bundle, depths=bundle.depths + 1e-7))[0]
     np.testing.assert_allclose((moved - miss) / 1e-7, by_depth, atol=2e-3)
 
 
@@ -56,7 +62,7 @@ def test_a_point_at_infinity_is_seen_in_a_direction_wherever_the_camera_is():
     rays = np.concatenate([far.rays, np.ones((len(far.rays), 1))], axis=1)
     R = far.Ts[:, :3, :3]
     turn = R[far.view] @ np.swapaxes(R[far.anchor[far.point]], 1, 2)
-    np.testing.assert_allclose(relative(far), np.einsum("nab,nb->na", turn, rays[far.point]))
+    np.testing.assert_allclose(points_in_views(far), np.einsum("nab,nb->na", turn, rays[far.point]))
 
 
 def test_a_point_behind_a_camera_is_infinitely_far_from_where_it_is_seen():
@@ -64,7 +70,7 @@ def test_a_point_behind_a_camera_is_infinitely_far_from_where_it_is_seen():
     Ts = bundle.Ts.copy()
     Ts[-1, :3, :3] = np.diag([-1.0, 1.0, -1.0]) @ Ts[-1, :3, :3]
     turned = replace(bundle, Ts=Ts)
-    assert np.isinf(away(turned)[turned.view == len(Ts) - 1]).all()
+    assert np.isinf(residual_lengths(turned)[turned.view == len(Ts) - 1]).all()
     assert np.isfinite(cost_of(turned))
     assert np.isfinite(adjusted(turned, steps=2)[0].Ts).all()
 
@@ -105,8 +111,10 @@ def test_a_point_that_few_see_stays_near_what_was_expected_of_its_depth():
 def test_residuals_are_in_standard_deviations():
     start, depths = bundle_of(Place.of(), off=0.0)
     exact = replace(start, depths=depths)
-    assert np.median(away(exact)) == pytest.approx(1.18, rel=0.05)
-    np.testing.assert_allclose(away(replace(exact, noise=2 * start.noise)), away(exact) / 2)
+    assert np.median(residual_lengths(exact)) == pytest.approx(1.18, rel=0.05)
+    np.testing.assert_allclose(
+        residual_lengths(replace(exact, noise=2 * start.noise)), residual_lengths(exact) / 2
+    )
 
 
 def test_an_outlier_hardly_moves_what_others_tell():

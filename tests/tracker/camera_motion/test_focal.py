@@ -68,7 +68,12 @@ def test_more_pairs_are_surer() -> None:
 def test_pairs_that_disagree_make_it_less_sure() -> None:
     """Half of the pairs are of a lens 4 % longer: each alone is sure of its own."""
     longer = [
-        Pair(1.04 * (p.uv - 159.5) + 159.5, 1.04 * (p.uv_later - 159.5) + 159.5, p.zooms, p.away)
+        Pair(
+            1.04 * (p.uv - 159.5) + 159.5,
+            1.04 * (p.uv_later - 159.5) + 159.5,
+            p.zooms,
+            p.displacement,
+        )
         for p in (pair(8.0, seed=k) for k in range(4))
     ]
     alike = focal_scale(TRUE, 1.0, [pair(8.0, seed=k) for k in range(8)])
@@ -83,7 +88,7 @@ def test_points_that_no_focal_length_explains_are_said_to_be_aside() -> None:
     for each in PANS:
         there = each.uv_later.copy()
         there[:30] += (9.0, -6.0)
-        astray.append(Pair(each.uv, there, each.zooms, each.away))
+        astray.append(Pair(each.uv, there, each.zooms, each.displacement))
     found = focal_scale(TRUE, 1.0, astray)
     assert found is not None
     assert found.aside == pytest.approx(30 / len(PANS[0].uv), abs=0.06)
