@@ -42,6 +42,10 @@ class Finding:
 
 SHORTEST = 3
 """Frames; shorter gaps are bridged and not reported."""
+LOST_FRAMES = 4
+"""After so many frames at which the camera is lost points are picked anew."""
+OPEN_SHARE = 0.3
+"""Share of a picture that must be background, or what hides it is why the camera is lost."""
 FEWEST_SCENE = 5
 """Frames that points must be followed for, where nothing ties them to what was before."""
 
@@ -58,6 +62,14 @@ EVERY = 5
 """Rows and columns of which one is enough for the contrast."""
 LITTLE = (32, 18)
 """Width and height of the pictures whose likeness is asked."""
+
+
+def is_filled(usable: NDArray[np.bool_] | None) -> bool:
+    """Whether what is not background leaves too little of a picture.
+
+    usable: (H, W) pixels that may be background; None for all.
+    """
+    return usable is not None and bool(usable.mean() < OPEN_SHARE)
 
 
 def contrast_of(picture: NDArray[np.uint8]) -> float:

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.bundle import Indices
+from keypose.tracker.camera_motion.findings import LOST_FRAMES, is_filled
 from keypose.tracker.camera_motion.focal import FocalScale, focal_of_map
+from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.path import poses_through
 from keypose.tracker.camera_motion.point_map import FREE, Keyframe, PointMap
 from keypose.tracker.camera_motion.points import Grey, Mask, PointFollower
@@ -32,11 +34,6 @@ FEWEST = 15
 """Points that a pose is believed from."""
 FEWEST_SHARE = 0.3
 """Of the keyframe's points, until depths are known: noise too lets some be tracked."""
-LOST_FRAMES = 4
-"""After so many frames without a pose points are picked anew, tied to those of old that are in view
-again, or to nothing."""
-OPEN_SHARE = 0.3
-"""Of the picture; with less background what is before it is why the camera is lost."""
 LEAST_SHARE = 0.7
 """New points are picked where this share of the keyframe's is left."""
 LONGEST = 25
@@ -135,8 +132,7 @@ class MovingOdometry:
     _lost: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        plain = {"projection": "perspective", "telephoto_distance_m": None}
-        self.camera = self.camera.model_copy(update=plain)
+        self.camera = Lens.of(self.camera).camera
         self._follower = PointFollower(self.camera.width, self.camera.height)
         noise = NOISE_PX / self._follower.scale / self.camera.fx
         self._map = PointMap(self.camera, self._follower, noise)
@@ -431,4 +427,4 @@ class MovingOdometry:
 
 
 def _cause(usable: Mask | None) -> Cause:
-    return "body_fills" if usable is not None and usable.mean() < OPEN_SHARE else "no_texture"
+    return "body_fills" if is_filled(usable) else "no_texture"

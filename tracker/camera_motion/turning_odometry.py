@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.camera_motion.direction_map import SYSTEMATIC_PX, DirectionMap
-from keypose.tracker.camera_motion.findings import Likeness
+from keypose.tracker.camera_motion.findings import LOST_FRAMES, Likeness, is_filled
 from keypose.tracker.camera_motion.focal import LEAST_DISPLACEMENT, MOST_PAIRS, Pair
 from keypose.tracker.camera_motion.lens import Lens, unit
 from keypose.tracker.camera_motion.measurements import Cause, Measured
@@ -43,10 +43,6 @@ SHARE_AGREE = 0.2
 """Share that must agree of the points that could be seen."""
 MOST_DOUBT = np.radians(0.2)
 """Standard deviation of the turn above which it is not known."""
-OPEN_SHARE = 0.3
-"""Share of the picture that must be background, or what hides it is why the camera is lost."""
-LOST_FRAMES = 4
-"""After so many frames without the camera a new keyframe is set, tied to nothing."""
 CUT_LIKENESS = 0.5
 """Correlation of a picture with the one before, below which the film was cut there."""
 SAME_LIKENESS = 0.7
@@ -379,7 +375,7 @@ class TurningOdometry:
     @property
     def _is_filled(self) -> bool:
         """Whether what is not background leaves too little of the latest picture."""
-        return self._usable is not None and bool(self._usable.mean() < OPEN_SHARE)
+        return is_filled(self._usable)
 
     def _at_keyframe(self, doubt: Array) -> Measured:
         """What is said of a frame that became a keyframe tied to nothing."""

@@ -12,6 +12,7 @@ from keypose.tracker.camera_motion.findings import (
     are_faded,
     contrast_of,
     gaps,
+    is_filled,
     scenes,
 )
 from tests.tracker.camera_cases import SMALL, noisy, rendered, texture, turned
@@ -96,7 +97,19 @@ def test_the_only_scene_stays_however_short() -> None:
     assert scenes(np.zeros(2, np.int64), np.ones(2, bool), [], [])[0].all()
 
 
-# --- fading, and cuts
+# --- what hides the background, fading, and cuts
+
+
+@pytest.mark.parametrize(
+    ("share", "fills"), [(0.0, True), (0.25, True), (0.35, False), (1.0, False)]
+)
+def test_a_picture_is_filled_by_what_leaves_less_than_a_third_of_it(
+    share: float, fills: bool
+) -> None:
+    usable = np.arange(100).reshape(10, 10) < 100 * share
+    assert is_filled(usable) == fills
+    assert not is_filled(None)
+
 
 CONTRASTS: dict[str, tuple[list[float], list[int]]] = {
     "a steady film": ([40.0, 41.0] * 20, []),

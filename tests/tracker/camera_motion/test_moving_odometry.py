@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.camera_motion.findings import LOST_FRAMES
 from keypose.tracker.camera_motion.moving_odometry import (
     BETWEEN,
     LONGEST,
-    LOST_FRAMES,
     PATIENCE,
     RETRY,
     MovingOdometry,

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from keypose.tracker.camera_motion.findings import LOST_FRAMES
 from keypose.tracker.camera_motion.lens import Lens
 from keypose.tracker.camera_motion.measurements import Measured
 from keypose.tracker.camera_motion.turning_odometry import (
     DISPLACED_SHARE,
-    LOST_FRAMES,
     ROLL,
     ZOOM,
     TurningOdometry,
