@@ -164,7 +164,8 @@ def test_the_commands_of_the_programs_readme_run_in_order(
     shutil.copy(ready / "jump.mp4", tmp_path)
     digest = with_network(tmp_path / "rtmw-x.zip")
     with_scans(tmp_path / "scans")
-    lines = shown_in_readme(ROOT / "app" / "README.md")
+    documents = (ROOT / "app" / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+    lines = [line for document in documents for line in shown_in_readme(document)]
     assert len(lines) >= 12
     for line in lines:
         assert done(line.replace("DIGEST", digest)) in (0, 1), line  # 1: lost somewhere
