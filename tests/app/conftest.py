@@ -10,6 +10,7 @@ import pytest
 
 from keypose.app.cli import follow
 from keypose.tracker import warm
+from keypose.tracker.keypoints.model_files import cache_folder
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.tracks import save_result
 from tests.app.cli_cases import tracker
@@ -23,6 +24,18 @@ def heeded_ctrl_c() -> Iterator[None]:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cache in which nothing was kept on an earlier day, but for the compiled loops: processes
+    that a test starts would compile them, for half a minute."""
+    loops, cache = cache_folder() / "kernels", tmp_path / "cache"
+    loops.mkdir(parents=True, exist_ok=True, mode=0o700)
+    (cache / "keypose").mkdir(parents=True)
+    (cache / "keypose" / "kernels").symlink_to(loops)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
+    return cache
 
 
 @pytest.fixture

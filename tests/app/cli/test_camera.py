@@ -22,10 +22,7 @@ from keypose.tracker.storage.results import segment_keys
 from tests.scenes import sample
 from tests.tracker import panned_cases as panned
 
-
-@pytest.fixture(autouse=True)
-def _own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+pytestmark = pytest.mark.usefixtures("own_cache")
 
 
 @pytest.fixture
