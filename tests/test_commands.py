@@ -144,6 +144,8 @@ def test_what_is_left_out_is_shown_somewhere_and_tested_elsewhere() -> None:
 def test_the_road_of_the_first_readme_leads_from_a_film_to_motion(
     ready: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(find_people, "FRAMES", 2)
+    monkeypatch.setattr(many, "LocalPool", Here)  # processes of their own have their own tests
     monkeypatch.chdir(tmp_path)
     shutil.copy(ready / "jump.mp4", tmp_path)
     lines = shown_in_readme(ROOT / "README.md")
@@ -263,7 +265,7 @@ def test_the_examples_of_a_command_run_in_order(
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     cache = tmp_path if command == "models" else cache_folder().parent
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache))  # where the compiled loops are
-    monkeypatch.setattr(many, "LocalPool", Here)  # processes of their own have their own tests
+    monkeypatch.setattr(many, "LocalPool", Here)
     monkeypatch.setattr(find_people, "FRAMES", 2)
     config = tmp_path / "config.toml"
     config.write_text('quality = "preview"\n')

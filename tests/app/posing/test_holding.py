@@ -33,7 +33,7 @@ from tests.app.posing.posing_cases import (
     tumbling,
     walking,
 )
-from tests.app.posing.test_steadiness import JUMP, largest_jump
+from tests.app.posing.test_steadiness import JUMP, WAYS_DEG, largest_jump
 from tests.tracker.tracking_cases import deep_chain
 
 CHAIN = deep_chain(6).body
@@ -264,7 +264,7 @@ def test_no_limb_jumps_while_its_end_is_held(
 ) -> None:
     still, _ = pulled(PERSON, pose, handle, anchor, view, (0.0, 0.0))
     assert difference(still.pose, pose) < 1e-6
-    for degrees in (15, 100, 190, 280):
+    for degrees in WAYS_DEG[view]:
         c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
 
         def at(metres: float, c: float = c, s: float = s) -> Floats:

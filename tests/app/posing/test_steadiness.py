@@ -35,6 +35,9 @@ CLOSE_M = 2e-5
 """Pointer positions as near to each other as this must give the same pose but for JUMP."""
 JUMP = math.radians(12)
 
+WAYS_DEG = dict(zip(VIEWS, 2 * [(15, 190), (100, 280)], strict=True))
+"""Directions of a drag in a view's picture."""
+
 CASES = [
     ("standing", PERSON, standing(PERSON)),
     ("walking", PERSON, walking()),
@@ -49,7 +52,7 @@ def test_nothing_jumps_anywhere_along_a_drag(body: Body, pose: Pose, view: str) 
     one_side = [h for h in handles(body) if h.kind != "root" and not h.name.startswith("right")]
     for limits_on in (True, False):
         for handle in one_side:
-            for degrees in (15, 100, 190, 280):
+            for degrees in WAYS_DEG[view]:
                 worst = largest_jump(drawn(body, pose, handle, view, degrees, limits_on))
                 assert worst < JUMP, (handle.name, degrees, limits_on, math.degrees(worst))
 

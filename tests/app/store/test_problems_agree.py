@@ -20,7 +20,7 @@ from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app.editor.desk import desk
 
-STATES = 400
+STATES = 120
 LEAST_PX = 3.0
 OF_A_PART = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints", "depth")
 SURFACES_ONLY = (

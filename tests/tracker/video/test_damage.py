@@ -35,12 +35,13 @@ from tests.tracker.damage_cases import (
 from tests.tracker.video_cases import flip_bit, numbered_picture, write_image, write_numbered
 
 SAMPLES = sorted((Path(__file__).parents[3] / "sample_videos").glob("*/*.mp4"))
-MUTANTS = 20
+MUTANTS = 8
 """Of each of ten films."""
-SIZES = ((352, 192, 0.98), (480, 144, 0.99))
-"""Sizes of films, and of their wrong frames the share that is known at least. VP9 has two tiles
-from a width of 449 on. In the first size two mutants alone, whose packets hold together by chance,
-hide 16 wrong frames of 1077."""
+SIZES = ((352, 192), (480, 144))
+"""Of films. VP9 has two tiles from a width of 449 on."""
+KNOWN = 0.98
+"""Share of the wrong frames that is known at least. A single mutant whose packet holds together by
+chance hides up to eight of them."""
 
 ODD = (
     FilmKind("refreshed.mp4", options={"x264-params": "intra-refresh=1:keyint=10"}),
@@ -153,17 +154,17 @@ def test_an_encoders_note_without_its_first_byte_is_no_damage(tmp_path: Path) ->
         assert examined(video) == set()
 
 
-@pytest.mark.parametrize(("width", "height", "share"), SIZES)
+@pytest.mark.parametrize(("width", "height"), SIZES)
 def test_nearly_all_frames_that_are_seen_to_be_wrong_are_known(
-    tmp_path: Path, width: int, height: int, share: float
+    tmp_path: Path, width: int, height: int
 ) -> None:
     """The rest is in packets that hold together by chance: MPEG-4 finds back into its codes after
     the right number of blocks, and what stands between two keys of H.264, or in a tile of VP9
     that is not the last, cannot be decoded by itself."""
     tallies = {kind.name: _tally(write_film(tmp_path, kind, width, height)) for kind in FILMS}
     wrong, known = (sum(getattr(t, name) for t in tallies.values()) for name in ("wrong", "known"))
-    assert wrong > 500
-    assert known >= share * wrong, tallies
+    assert wrong > 300
+    assert known >= KNOWN * wrong, tallies
 
 
 def test_wrong_frames_are_known_in_a_film_between_black_bars(tmp_path: Path) -> None:
@@ -172,8 +173,8 @@ def test_wrong_frames_are_known_in_a_film_between_black_bars(tmp_path: Path) -> 
     kinds = [*EXAMINED_TO_THE_END[:2], *(k for k in FILMS if k.name in ("cabac.mp4", "hevc.mp4"))]
     tallies = {k.name: _tally(write_film(tmp_path, k, shown=shown)) for k in kinds}
     wrong, known = (sum(getattr(t, name) for t in tallies.values()) for name in ("wrong", "known"))
-    assert wrong > 200
-    assert known >= 0.98 * wrong, tallies
+    assert wrong > 100
+    assert known >= KNOWN * wrong, tallies
 
 
 def _tally(film: Path) -> Tally:
