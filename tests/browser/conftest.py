@@ -58,9 +58,13 @@ def drawn() -> bool:
 
 
 @pytest.fixture
-def page(browser: Browser, keypose: Keypose, drawn: bool) -> Iterator[Page]:
-    """The page, opened and ready; anything the browser complains about fails the test."""
-    with admit(browser, drawn=drawn, size=(1440, 900)) as context:
+def page(
+    browser: Browser, keypose: Keypose, drawn: bool, request: pytest.FixtureRequest
+) -> Iterator[Page]:
+    """The page, opened and ready; anything the browser complains about fails the test. A module may
+    say its SIZE."""
+    size = getattr(request.module, "SIZE", (1440, 900))
+    with admit(browser, drawn=drawn, size=size) as context:
         tab = context.new_page()
         tab.goto(keypose.address)
         tab.wait_for_selector("html[data-ready]", state="attached")

@@ -15,7 +15,7 @@ from tests.browser.interaction import section, until, until_state
 from tests.browser.shared import Desk, desk
 
 LIMIT_PX = 0.5
-SIZES = ((1440, 900), (1280, 720), (1000, 880))
+SIZES = ((1100, 640), (900, 520), (760, 660))
 ZOOMS = (1.0, 2.7, 8.0)
 
 _SEEN = """

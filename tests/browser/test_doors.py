@@ -214,7 +214,7 @@ def test_without_the_token_nothing_is_to_be_had(browser: Browser, doors: Doors) 
         "Open the newest link that `keypose open` printed.\n",
     )
     origin = doors.keypose.origin
-    with admit(browser, drawn=True) as stranger:
+    with admit(browser, drawn=False) as stranger:
         page = stranger.new_page()
         for path, reported in (
             ("/", words[0]),
@@ -237,7 +237,7 @@ def test_an_address_that_names_another_socket_is_refused(
 ) -> None:
     doors.other_site.visits.clear()
     evil = f"ws://127.0.0.1:{doors.other_site.port}{path}"
-    with admit(browser, drawn=True) as context:
+    with admit(browser, drawn=False) as context:
         page = visiting(context, doors.keypose.address)
         answer = page.goto(f"{doors.keypose.origin}{path}?websocket={evil}")
         assert answer is not None

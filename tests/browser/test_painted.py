@@ -31,6 +31,9 @@ PIXELS = """
 """The painted body as a PNG, which comes in a hundredth of the time of a list of numbers, and
 where the picture's first pixel lies on it."""
 
+SMALL = (800, 480)
+"""Where software draws viser's pictures."""
+
 VISER_IN = "() => document.querySelectorAll('.view[data-view=main] iframe.viser').length"
 FRAMES_SHOWN = """
 () => [...document.querySelectorAll('#main canvas[data-frame]')].map((each) => each.dataset.frame)
@@ -141,10 +144,10 @@ def test_the_body_stands_in_the_frame_that_is_shown_also_when_the_film_has_playe
     until(lambda: len(set(page.evaluate(FRAMES_SHOWN))) == 1, "film and body in one frame")
 
 
-def test_the_choice_between_both_is_kept_and_found_by_search(
+def test_the_choice_between_both_is_found_by_search_and_kept_by_a_reload_that_brings_all_views_back(
     browser: Browser, keypose: Keypose
 ) -> None:
-    with admit(browser, drawn=True, painted=True) as context:
+    with admit(browser, drawn=True, painted=True, size=SMALL) as context:
         page = opened(context, keypose)
         page.wait_for_selector("#main.painted canvas.figure[data-frame]")
         until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
@@ -155,6 +158,7 @@ def test_the_choice_between_both_is_kept_and_found_by_search(
         page.reload()
         page.wait_for_selector("html[data-ready]", state="attached")
         until(lambda: page.evaluate(VISER_IN) == 1, "viser's picture")
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views")
         _toggle(page)
         page.wait_for_selector("#main.painted canvas.figure[data-frame]")
 

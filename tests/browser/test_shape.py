@@ -16,6 +16,8 @@ from keypose.tracker.body.shapes import KINDS, Capsule, Solid
 from tests.browser.interaction import drag, screen, section, until, until_state
 
 PART = "left_thigh"
+SIZE = (1120, 640)
+"""Software draws all that is seen, four times."""
 
 _VERTICES = """
 ([view, part]) => {

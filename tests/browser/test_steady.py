@@ -14,7 +14,7 @@ from tests.browser.random_states import RandomStates
 from tests.browser.shared import Desk, desk
 
 LAYOUTS = 25
-STATES = 20
+STATES = 8
 
 FEED = "(news) => window.steady.feed(news)"
 

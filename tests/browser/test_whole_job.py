@@ -9,7 +9,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-import pytest
 from playwright.sync_api import Page
 
 from keypose.tracker.storage.files import load_session
@@ -26,7 +25,6 @@ from tests.browser.interaction import (
 )
 
 
-@pytest.mark.parametrize("drawn", [True])
 def test_the_whole_job(page: Page, sample: Path, tmp_path: Path) -> None:
     _looks_around(page)
     _selects_and_turns(page)
