@@ -42,6 +42,17 @@ test('twice on a shoulder, as on any handle, selects its limb', () => {
   assert.deepEqual(ui.limb, ['upper_arm', 'forearm']);
 });
 
+test('a second click, later than a double click, selects the part behind, and after the last the first', () => {
+  const selected = [];
+  for (const again of [0, 1000, 2000]) {
+    now = 100_000 + again;
+    click(view, { x: 70, y: 70, time: now }, null, ['hand', 'chest']);
+    selected.push(...due(1).map(({ part }) => part));
+    server.view.selected = selected.at(-1);
+  }
+  assert.deepEqual(selected, ['hand', 'chest', 'hand']);
+});
+
 test('twice on a corner of a mask takes it away, and on what a mask has else nothing', () => {
   const [corner, edge, ...rest] = masksIn(view);
   for (const target of [edge, rest.at(-1)]) twice(target);
