@@ -30,9 +30,12 @@ settings.register_profile(
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 BROWSER = "tests/browser/"
-LONGEST = tuple(
-    f"{BROWSER}test_{name}.py"
-    for name in ("restart", "steady", "everyone", "surface", "tabs_and_reload", "guide")
+LONGEST = (
+    "tests/test_commands.py",
+    *(
+        f"{BROWSER}test_{name}.py"
+        for name in ("everyone", "restart", "surface", "steady", "tabs_and_reload", "guide")
+    ),
 )
 """The files that take longest begin first, or one worker would end alone."""
 MOST_WORKERS = 8

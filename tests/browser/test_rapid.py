@@ -18,6 +18,9 @@ from tests.browser.interaction import Spot, section, settled, spot, until, until
 from tests.browser.shared import Desk
 
 MANY = 500
+TURNS = 10
+FIRST = 16
+LAST = 30
 UNDER_PX = 1.5
 
 BURST = 10
@@ -127,7 +130,7 @@ def test_a_drag_that_never_rests_ends_where_it_was_let_go(at: Desk) -> None:
     """Pressed, moved and let go without a pause, again and again."""
     start = spot(at.page, "waist")
     here = start
-    for turn in range(20):
+    for turn in range(TURNS):
         there = (start[0] + 40 * np.sin(turn), start[1] + 25 * np.cos(3 * turn))
         at.page.mouse.move(*here)
         at.page.mouse.down()
@@ -137,7 +140,7 @@ def test_a_drag_that_never_rests_ends_where_it_was_let_go(at: Desk) -> None:
         here = _where(at.page, there)
     all_agree(at)
     np.testing.assert_allclose(spot(at.page, "waist"), here, atol=UNDER_PX)
-    assert undone(at) == ["move the body"] * 20
+    assert undone(at) == ["move the body"] * TURNS
 
 
 def _where(page: Page, wanted: Spot) -> Spot:
@@ -147,8 +150,8 @@ def _where(page: Page, wanted: Spot) -> Spot:
 
 
 def test_drags_and_steps_from_frame_to_frame_stay_in_order(at: Desk) -> None:
-    steps = 30
-    for step in range(steps):
+    at.visitor.do(do="go", frame=FIRST)
+    for step in range(FIRST, LAST):
         until_state(at.page, "view.frame", lambda frame, step=step: frame == step)
         x, y = spot(at.page, "waist")
         at.page.mouse.move(x, y)
@@ -156,12 +159,12 @@ def test_drags_and_steps_from_frame_to_frame_stay_in_order(at: Desk) -> None:
         at.page.mouse.move(x + 12, y + 5, steps=3)
         at.page.mouse.up()
         at.page.keyboard.press("ArrowRight")
-    until_state(at.page, "view.frame", lambda frame: frame == steps)
+    until_state(at.page, "view.frame", lambda frame: frame == LAST)
     all_agree(at)
     keys = at.served["keys"]
     assert keys["frames"] == [0, 24, 48, 72]
-    assert keys["drafts"] == [frame for frame in range(1, steps) if frame != 24]
-    assert undone(at) == ["move the body"] * steps
+    assert keys["drafts"] == [frame for frame in range(FIRST, LAST) if frame != 24]
+    assert undone(at) == ["move the body"] * (LAST - FIRST)
     assert at.served["keys"]["drafts"] == []
 
 

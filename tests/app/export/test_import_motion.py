@@ -417,8 +417,8 @@ def _drafts(session: Session, keypoints: Keypoints, frames: list[int]) -> tuple[
 @pytest.mark.parametrize("keyed", [False, True])
 def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: str, keyed: bool) -> None:
     session = SESSION if keyed else SESSION.changed({"keyframes": ()})
-    drafts = _drafts(session, _keypoints(layout), [6, 36, 66])
-    assert [draft.keyframe.frame for draft in drafts] == [6, 36, 66]
+    drafts = _drafts(session, _keypoints(layout), [6, 66])
+    assert [draft.keyframe.frame for draft in drafts] == [6, 66]
     for draft in drafts:
         away, turn = _judged(draft)
         assert away < 1.0
