@@ -57,7 +57,10 @@ def proposed(
     frames (N,): those with a draft.
     doubts: by reason, values (N, L) of L limbs, whose parts are `parts`.
     joints (N, J, 3): where joints lie, seen from the hips, as shares of the body's height.
+    Without any stretch there is nothing to confirm.
     """
+    if not stretches:
+        return ()
     poses = dict(zip(frames, joints, strict=True))
     chosen = {one.last: Proposal(one.last, "end") for one in stretches}
     chosen |= {one.first: Proposal(one.first, one.begins) for one in stretches}

@@ -114,6 +114,15 @@ def test_what_cannot_be_bridged_is_said_and_not_proposed_as_it_is() -> None:
     assert first.frame == run.last_frame + 1, "the first that is right"
 
 
+@pytest.mark.parametrize("count", [14, 20])
+def test_a_limb_that_is_elsewhere_in_all_of_a_short_film_is_said_to_be_wrong(count: int) -> None:
+    keypoints = walk(count, facing_deg=60).keypoints
+    found = drafted(moved(keypoints, range(count), LEG, by(-260, -180)))
+    assert len(found.poses) == count
+    assert found.flipped
+    assert {proposal.reason for proposal in found.proposals} == {"wrong"}
+
+
 @pytest.mark.parametrize("frames", [range(3), range(FRAMES - 6, FRAMES)], ids=["first", "last"])
 def test_a_limb_that_is_elsewhere_at_an_end_of_the_film_is_said_to_be_wrong(frames: range) -> None:
     keypoints = walk(FRAMES, facing_deg=60).keypoints
