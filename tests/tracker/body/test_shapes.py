@@ -249,8 +249,8 @@ def test_nothing_asks_which_shape_it_has_before_it() -> None:
     """Single shapes are named only where bodies are made and the loops warmed up; a further one
     takes its file and its name in the list."""
     makers = {
-        "tracker/warming.py", "tracker/body/presets/make_presets.py",
-        "tracker/body/presets/animals.py", "tracker/body/modify.py", "tracker/body/body.py",
+        "tracker/warming.py",
+        "tracker/body/modify.py", "tracker/body/body.py",
     }  # fmt: skip
     kinds = {kind.__name__ for kind in LISTED}
     quoted = re.compile("|".join(f"[\"']{kind}[\"']" for kind in KINDS.keys() - {"box"}))

@@ -1,1 +1,1 @@
-"""List the bodies that come with the product, a JSON file each, and the script that wrote them."""
+"""Hold the bodies of the product, a JSON file each, as `python -m bench.bodies` wrote them."""

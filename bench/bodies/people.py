@@ -1,4 +1,4 @@
-"""Write the preset bodies: `python -m keypose.tracker.body.presets.make_presets`.
+"""The bodies of people, and of things, from measurements that were published.
 
 Everything measured stands in the tables at the top, with its source; everything estimated is a
 named constant or a method of `Person` that says so. Tables in millimetres or as ratios, the bodies
@@ -24,11 +24,9 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeAlias
 
-from keypose.tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point, Twist
-from keypose.tracker.body.presets.animals import DOG, HORSE, make_animal
+from keypose.tracker.body.body import ALL_DOFS, Body, Dof, Limits, Part, Point, Twist
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
@@ -444,9 +442,3 @@ def make_objects() -> tuple[Body, ...]:
         )
         for name, shape in shapes.items()
     )
-
-
-if __name__ == "__main__":
-    for body in (*map(make_body, PEOPLE), *map(make_animal, (DOG, HORSE)), *make_objects()):
-        path = Path(__file__).with_name(f"{body.name}.json")
-        path.write_text(as_json(body), encoding="utf-8")

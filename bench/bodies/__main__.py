@@ -1,0 +1,25 @@
+"""`python -m bench.bodies`: write the bodies that come with the product anew."""
+
+from __future__ import annotations
+
+from bench.bodies.animals import DOG, HORSE, make_animal
+from bench.bodies.people import as_json, make_body, make_objects
+from bench.keeping import ROOT
+from keypose.tracker.body.body import PEOPLE, Body
+
+FOLDER = ROOT / "tracker" / "body" / "presets"
+
+
+def bodies() -> tuple[Body, ...]:
+    """All of them."""
+    return (*map(make_body, PEOPLE), *map(make_animal, (DOG, HORSE)), *make_objects())
+
+
+def main() -> None:
+    """Write a JSON file for each."""
+    for body in bodies():
+        (FOLDER / f"{body.name}.json").write_text(as_json(body), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
