@@ -42,8 +42,19 @@ LONGEST_JS = 120
 """Characters of a line of the page's scripts."""
 PACKAGES = ("camera_motion", "fitting", "keypoints")
 """Of the method, whose tests were short."""
-OPERATIONS = {"stand": r"[sS]tand(?:s|ing)?|[sS]tood", "camera": r"[cC]amera_?[mM]otion"}
-"""Names by which the code of an operation is recognised."""
+OPERATIONS = {
+    "stand": (
+        r"Stand|StandOnFloor|Standing|stand|_?stood_words|standing_words|add_stand",
+        r"Stand|whyNotStand",
+    ),
+    "camera": (
+        r"FindCamera|FoundCamera|found_camera|find_camera|find_camera_motion|find_saved|"
+        r"CameraMotion|camera_motion|add_camera",
+        r"cameraMotion|camera_motion",
+    ),
+}
+"""Names of the classes, functions and messages of an operation, and of what it finds: in Python, and
+in the page."""
 
 
 @dataclass(frozen=True)
@@ -101,12 +112,14 @@ def _is_read(name: str) -> bool:
 
 def touched(tree: Tree, operation: str) -> int:
     """Files of the product in whose code an operation is named."""
-    named = re.compile(rf"\b\w*(?:{OPERATIONS[operation]})\w*\b(?=[\s(.:,=\])])")
-    python = sum(
-        any(named.match(f"{name}(") for name in _names(module)) for module in tree.product.values()
+    python, page = (
+        re.compile(rf"\b(?:{names})\b(?=[\s(.:,=\])])") for names in OPERATIONS[operation]
     )
-    page = tree.files(".js", "static")
-    return python + sum(bool(named.search(_without_comments(text))) for text in page.values())
+    modules = sum(
+        any(python.match(f"{name}(") for name in _names(module)) for module in tree.product.values()
+    )
+    scripts = tree.files(".js", "static").values()
+    return modules + sum(bool(page.search(_without_comments(text))) for text in scripts)
 
 
 def _names(module: ast.Module) -> Iterator[str]:
@@ -195,10 +208,10 @@ def motion_holders(tree: Tree) -> int:
 
 def _attributes(owner: ast.ClassDef) -> Iterator[str]:
     """Names of what a class and its methods set, and types that fields are declared with."""
-    for node in owner.body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            yield node.target.id
-            yield ast.unparse(node.annotation)
+    for field in owner.body:
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+            yield field.target.id
+            yield ast.unparse(field.annotation)
     for node in ast.walk(owner):
         match node:
             case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Store()):
