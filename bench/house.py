@@ -53,8 +53,8 @@ OPERATIONS = {
         r"cameraMotion|camera_motion",
     ),
 }
-"""Names of the classes, functions and messages of an operation, and of what it finds: in Python, and
-in the page."""
+"""Names of an operation's classes, functions and messages, and of what it finds: in Python, and in
+the page."""
 
 
 @dataclass(frozen=True)
