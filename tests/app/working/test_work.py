@@ -772,3 +772,30 @@ def test_a_solve_that_a_fit_ended_is_asked_for_again_after_it(work: Work) -> Non
     work.resume(edit)
     work.solve_space(edit)
     assert work.orders.solved[0] == work.orders.solved[1]
+
+
+def test_a_hand_goes_before_a_solve_in_space_which_is_asked_for_again(work: Work) -> None:
+    edit = tracked(smooth())
+    work.open(edit)
+    work.solve_space(edit)
+    work.dragged(moved(after(desk(), LIVE, {"do": "go", "frame": 24}), 10))
+    assert work.orders.stages[1] == ("preview",)
+    assert work.job.state == "idle", "a preview is no job that is shown"
+    work.orders.say(Finished(1, cancelled=True))
+    work.orders.say(Finished(2))
+    work.previewing.let_go()
+    work.solve_space(edit)
+    assert work.orders.solved == [work.orders.solved[0]] * 2
+
+
+def test_what_nobody_waits_for_begins_only_where_nothing_is_at_work(work: Work) -> None:
+    asked: list[str] = []
+    work.queue.serve(lambda: asked.append("first"), lambda: asked.append("second"))
+    assert work.queue.begin(Item(Fit(1), Priority.FOLLOWS, is_shown=False))
+    assert not work.queue.begin(Item(Fit(2), Priority.FOLLOWS))
+    assert work.queue.begin(Item(Fit(3), Priority.HAND, is_shown=False))
+    assert not work.queue.begin(Item(Fit(4), Priority.HAND))
+    assert [job.frame for job in work.orders.jobs] == [1, 3]  # type: ignore[attr-defined]
+    assert asked == []
+    work.orders.say(Finished(2))
+    assert asked == ["first", "second"], "in the order of who goes first"
