@@ -77,7 +77,11 @@ export async function copyPath() {
 }
 
 function pictureAddress(view) {
-  return `/picture.png?${new URLSearchParams({ frames: String(frame()), ...painted(), ...seenFrom(view, viewNamed('free')?.state, 'orbit') })}`;
+  return `/picture.png?${new URLSearchParams({
+    frames: String(frame()),
+    ...painted(),
+    ...seenFrom(view, viewNamed('free')?.state, 'orbit'),
+  })}`;
 }
 
 /** Save what the server answers, with what is left to do with it, or say why nothing was saved. */

@@ -114,7 +114,8 @@ function closeFromOutside({ target }) {
  * @param {{ title: string, kind: string, face: unknown, label?: string, act?: () => void }} spec
  */
 export function menuButton(name, { title, kind, face, label, act = () => toggleMenu(name) }) {
-  return html`<button class="${kind} ${ui.menu === name ? 'hov' : ''}" title=${title || nothing} aria-label=${label ?? nothing}
+  return html`<button class="${kind} ${ui.menu === name ? 'hov' : ''}" title=${title || nothing}
+    aria-label=${label ?? nothing}
     aria-haspopup="menu" aria-expanded=${ui.menu === name} @click=${act}>${face}</button>`;
 }
 

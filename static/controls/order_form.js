@@ -49,7 +49,9 @@ export function orderFields(options, values, change, further = {}) {
 
 /** A label and what stands right of it. */
 export const field = (label, content, note = '') =>
-  html`<label class="exlabel">${label}</label><div class="exfield">${content}${note ? html`<span class="dim">${note}</span>` : nothing}</div>`;
+  html`<label class="exlabel">${label}</label><div class="exfield">${content}${
+    note ? html`<span class="dim">${note}</span>` : nothing
+  }</div>`;
 
 const unitOf = (unit) => (unit ? html`<span class="dim">${unit}</span>` : nothing);
 
@@ -60,7 +62,12 @@ function range({ label }, value, act) {
   const [first = '', last = ''] = value.split('-');
   const name = label.toLowerCase().replace(/s$/, '');
   return html`${textField({ label: `First ${name}`, value: first, most: 9, act: (one) => act(`${one}-${last}`) })}
-    <span class="dim">to</span>${textField({ label: `Last ${name}`, value: last, most: 9, act: (one) => act(`${first}-${one}`) })}`;
+    <span class="dim">to</span>${textField({
+      label: `Last ${name}`,
+      value: last,
+      most: 9,
+      act: (one) => act(`${first}-${one}`),
+    })}`;
 }
 
 function choice({ label, options, empty, usual }, value, act) {

@@ -45,13 +45,16 @@ export function lensCard() {
     </div>
     ${fileLine()}${stabilised()}
     <div class="row filesays"><span class="mut">Calibrated, or solved elsewhere?</span><span class="sp"></span>
-      <button type="button" class="btn sm" title="Read the lens, and how the camera moved, from a file of another program" @click=${() => perform('importFile')}>Camera file…</button></div>`;
+      <button type="button" class="btn sm"
+        title="Read the lens, and how the camera moved, from a file of another program"
+          @click=${() => perform('importFile')}>Camera file…</button></div>`;
 }
 
 /** @param {import('../actions/lens.js').Kind} kind */
 function kindButton(kind, isHere, i) {
   return html`<button type="button" class="stack lens ${isHere ? 'on' : ''}" role="radio" aria-checked=${isHere}
-    title=${kind.mm ? `${kind.label} (${i + 1})` : `Fitted with the first two keyframes (${i + 1})`} @click=${() => chooseKind(kind)}>
+    title=${kind.mm ? `${kind.label} (${i + 1})` : `Fitted with the first two keyframes (${i + 1})`}
+      @click=${() => chooseKind(kind)}>
     <b>${icon(kind.icon)}${kind.label}</b><span>${kind.detail}</span>
   </button>`;
 }
@@ -111,14 +114,17 @@ export function fan() {
   const place = `left:${right - ROOM.right - WIDTH}px;top:${bottom - ROOM.bottom - HEIGHT}px`;
   return html`<div class="glass fan" style=${place} role="img" aria-label=${`${millimetres(mm)} seen from above`}>
     <svg width=${WIDTH} height=${HEIGHT} aria-hidden="true">
-      <text class="h" x="12" y="20">Field of view</text><text class="s" x=${WIDTH - 8} y="20" text-anchor="end">from above</text>
+      <text class="h" x="12" y="20">Field of view</text><text class="s" x=${WIDTH - 8} y="20"
+        text-anchor="end">from above</text>
       ${slice(WIDE, 'other', 0.87)}${slice(mm, 'here', 1)}${slice(other, 'other', 1)}
       <rect class="camera" x=${MIDDLE - 7} y=${FOOT - 3} width="14" height="10" rx="2" />
       ${person(metres)}
-      <text class="here" x=${MIDDLE} y=${FOOT - RADIUS + 18} text-anchor="middle">${millimetres(mm)} · ${Math.round(degrees('across', mm))}°</text>
+      <text class="here" x=${MIDDLE} y=${FOOT - RADIUS + 18}
+        text-anchor="middle">${millimetres(mm)} · ${Math.round(degrees('across', mm))}°</text>
       <text class="s" x="12" y=${FOOT - 40}>${WIDE} mm</text>
       <text class="o" x=${MIDDLE} y=${FOOT - 52} text-anchor="middle">${other} mm</text>
-      <text class="s" x="12" y=${FOOT + 30}>Same picture with ${other} mm: ${shortNumber((metres * other) / mm, 1)} m away.</text>
+      <text class="s" x="12"
+        y=${FOOT + 30}>Same picture with ${other} mm: ${shortNumber((metres * other) / mm, 1)} m away.</text>
     </svg>
   </div>`;
 }
@@ -134,7 +140,8 @@ function person(metres) {
   const [x, , z] = isPosed() ? server.pose.root : [0, 0, 1];
   const angle = Math.atan2(x, z);
   const [at, up] = [MIDDLE + Math.sin(angle) * THERE * RADIUS, FOOT - Math.cos(angle) * THERE * RADIUS];
-  return svg`<ellipse class="shade" cx=${at} cy=${up} rx="9" ry="4.5" /><circle class="person" cx=${at} cy=${up} r="4" />
+  return svg`<ellipse class="shade" cx=${at} cy=${up} rx="9" ry="4.5" /><circle class="person" cx=${at} cy=${up} r="4"
+    />
     <text class="m" x=${at + 14} y=${up + 4}>${shortNumber(metres, 1)} m</text>`;
 }
 
@@ -272,7 +279,9 @@ function doesCameraMove() {
 
 function cameraLine() {
   if (isFindingCamera()) {
-    return html`<p class="num">${server.job.words || `${server.job.title}, ${Math.round(server.job.percent ?? 0)} %`}</p>`;
+    return html`<p class="num">${
+      server.job.words || `${server.job.title}, ${Math.round(server.job.percent ?? 0)} %`
+    }</p>`;
   }
   if (cameraKind() === null) return nothing;
   const found = cameraFindings().find(hasFrames);

@@ -261,7 +261,12 @@ function coach() {
     <p>${text}</p>
     ${choices ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>` : nothing}
     ${content?.() ?? nothing}
-    ${step?.byHand ? html`<button class="btn ghost sm byhand" @click=${poseByHand}>Pose by hand instead</button>` : nothing}
+    ${
+      step?.byHand
+        ? html`<button class="btn ghost sm byhand"
+      @click=${poseByHand}>Pose by hand instead</button>`
+        : nothing
+    }
     <div class="row foot">
       ${
         step
@@ -310,7 +315,8 @@ function continueButton(step) {
   const isFirst = own || step.beside || isDone(step);
   const { label, act } = own ?? { label: isFirst ? 'Continue' : 'Skip', act: goOn };
   const why = isAtWork() ? `${server.job.title} is under way` : '';
-  return html`<button class="btn sm ${isFirst ? 'pri' : ''} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing} title=${why || nothing} @click=${() => !why && act()}>
+  return html`<button class="btn sm ${isFirst ? 'pri' : ''} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing}
+    title=${why || nothing} @click=${() => !why && act()}>
     ${label}<kbd>Enter</kbd>
   </button>`;
 }

@@ -34,7 +34,8 @@ import { drawingTool } from './sketch.js';
 export function headbar() {
   const name = largeView();
   return html`<div class="glass row" id="mhead">
-    <span class="row b what name" title="Double-click for the free view" @dblclick=${() => setUi('layout', 'free')}><kbd>${VIEW_KEYS[name]}</kbd>${VIEW_NAMES[name]}</span>
+    <span class="row b what name" title="Double-click for the free view"
+      @dblclick=${() => setUi('layout', 'free')}><kbd>${VIEW_KEYS[name]}</kbd>${VIEW_NAMES[name]}</span>
     <span class="vsep"></span>
     ${poseStatus()}
     ${server.sizes_preview ? html`<span class="preview">Preview of new sizes</span>` : nothing}
@@ -51,7 +52,9 @@ function poseStatus() {
   }
   if (source === 'draft') {
     return html`<span class="row b what draft">${icon('keyadd')}<span class="word">Frame</span> ${frame}</span>
-      <span class="mut say">${server.pose.followed ? 'Tracked ahead' : 'Posed'}, press <kbd>${keyOf('addKeyframe')}</kbd> to keep</span>`;
+      <span class="mut say">${
+        server.pose.followed ? 'Tracked ahead' : 'Posed'
+      }, press <kbd>${keyOf('addKeyframe')}</kbd> to keep</span>`;
   }
   const part = partKeyAt(frame);
   if (part) {
@@ -87,7 +90,8 @@ function beyond(way) {
   const id = way === 'forward' ? 'trackAhead' : 'trackBack';
   const off = whyNot(id);
   if (off) return nothing;
-  return html`<button class="chip old" title=${`${noMotionYet(way)}. ${titleOf(id)}`} data-key=${keyOf(id)} @click=${() => perform(id)}>
+  return html`<button class="chip old" title=${`${noMotionYet(way)}. ${titleOf(id)}`} data-key=${keyOf(id)}
+    @click=${() => perform(id)}>
     ${icon('track')}<em class="say">No motion yet</em><em class="where">${labelOf(id)}</em>
   </button>`;
 }
@@ -153,12 +157,16 @@ function zoomBox() {
   const zoom = (factor) => view.zoomAt(width / 2, height / 2, factor);
   const film = view.name === 'main';
   return html`<div class="glass row" id="mzoom">
-    <button class="ib s" aria-label="Zoom out" title="Zoom out" @click=${() => zoom(1 / ZOOM_STEP)}>${icon('minus')}</button>
+    <button class="ib s" aria-label="Zoom out" title="Zoom out"
+      @click=${() => zoom(1 / ZOOM_STEP)}>${icon('minus')}</button>
     <button class="btn ghost sm num z" title=${film ? 'One to one' : 'Pixels per metre'}
-      @click=${() => film && zoom(1 / scale)}>${film ? `${Math.round(100 * scale)} %` : `${Math.round(scale)} px/m`}</button>
+      @click=${() => film && zoom(1 / scale)}>${
+        film ? `${Math.round(100 * scale)} %` : `${Math.round(scale)} px/m`
+      }</button>
     <button class="ib s" aria-label="Zoom in" title="Zoom in" @click=${() => zoom(ZOOM_STEP)}>${icon('plus')}</button>
     <span class="vsep"></span>
-    <button class="btn ghost sm" title=${titleOf('fitView')} data-key=${keyOf('fitView')} @click=${() => perform('fitView')}>Fit</button>
+    <button class="btn ghost sm" title=${titleOf('fitView')} data-key=${keyOf('fitView')}
+      @click=${() => perform('fitView')}>Fit</button>
   </div>`;
 }
 
@@ -169,7 +177,8 @@ function sketchLine() {
   const isWarning = ui.tool === 'box' && smallWords() !== '';
   const place = ui.tool === 'box' ? 'low' : '';
   if (!tool.words()) return nothing;
-  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}${doneButton(tool.done?.())}</div>`;
+  return html`<div class="glass row ${place} ${isWarning ? 'warned' : ''}" id="mhint"
+    role="status">${icon(isWarning ? 'warn' : tool.icon)}${tool.words()}${doneButton(tool.done?.())}</div>`;
 }
 
 /** @param {{ label: string, key: string, off: string, act: () => void } | null | undefined} done */
@@ -183,11 +192,34 @@ export function draftbar() {
   const at = nobody && boxFrameFor(draft);
   return html`<div class="glass row ${nobody || person ? 'lacking' : ''}" id="mdraft" role="status">
     ${icon(nobody || person ? 'warn' : 'check')}
-    <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`} ${person}</span>
+    <span>${
+      nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`
+    } ${person}</span>
     ${restCount() ? actionButton('draftRest', undefined, { name: undefined }) : nothing}
-    ${nobody ? button({ label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', act: () => drawBoxAt(at) }) : nothing}
-    ${placesToConfirm().length && !ui.review ? actionButton('review', undefined, { name: undefined, label: `${placesWords()}: review`, title: 'Look at them one after another' }) : nothing}
-    ${actionButton('undo', undefined, { name: undefined, label: 'Undo draft', title: 'Remove the draft', kind: 'ghost' })}
+    ${
+      nobody
+        ? button({
+            label: `Draw a box at ${at}`,
+            title: 'Draft these frames from a box in one of them',
+            act: () => drawBoxAt(at),
+          })
+        : nothing
+    }
+    ${
+      placesToConfirm().length && !ui.review
+        ? actionButton('review', undefined, {
+            name: undefined,
+            label: `${placesWords()}: review`,
+            title: 'Look at them one after another',
+          })
+        : nothing
+    }
+    ${actionButton('undo', undefined, {
+      name: undefined,
+      label: 'Undo draft',
+      title: 'Remove the draft',
+      kind: 'ghost',
+    })}
     ${iconButton({ name: 'x', label: 'Close', act: () => setUi('draftRead', server.revision) })}
   </div>`;
 }

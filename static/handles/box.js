@@ -188,5 +188,6 @@ function label(view) {
   const [left, top] = onScreen(view);
   const x = Math.max(8, Math.min(left, view.el.clientWidth - LABEL_WIDTH_PX));
   const y = top - LABEL_PX < 8 ? Math.max(8, top + 8) : top - LABEL_PX;
-  return html`<div class="flt num" style="left:${x}px;top:${y}px">Person <span class="mut">${sizeWords(ui.box)}</span></div>`;
+  return html`<div class="flt num"
+    style="left:${x}px;top:${y}px">Person <span class="mut">${sizeWords(ui.box)}</span></div>`;
 }

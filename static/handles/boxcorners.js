@@ -100,7 +100,8 @@ function drawCorner(view, corner) {
   );
   const half = corner.radius * (isDragged(corner) || isHot(view, corner) ? 1.33 : 1);
   const [x, y] = corner.at;
-  return svg`<rect class="grip box-corner ${state}" x=${x - half} y=${y - half} width=${2 * half} height=${2 * half} data-grip=${corner.key} />`;
+  return svg`<rect class="grip box-corner ${state}" x=${x - half} y=${y - half} width=${2 * half} height=${2 * half}
+    data-grip=${corner.key} />`;
 }
 
 /** A cross where a corner was put: the box may not reach it, as where its sizes are others. */

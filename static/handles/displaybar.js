@@ -17,7 +17,8 @@ const TOOLS = /** @type {const} */ (['select', 'rotate', 'move', 'ends', 'size']
 const PAN_KEY = 'Space'; // while it is down, whatever the tool
 
 export function toolbar() {
-  return html`<div class="glass stack" id="tools" role="toolbar" aria-orientation="vertical" aria-label="Tools" @keydown=${walk}>
+  return html`<div class="glass stack" id="tools" role="toolbar" aria-orientation="vertical" aria-label="Tools"
+    @keydown=${walk}>
     ${TOOLS.map((id) => toolButton(id, keyOf(id)))}
     <hr />
     ${toolButton('pan', PAN_KEY)}
@@ -53,7 +54,8 @@ export function freebar() {
   return html`<div class="glass row" id="mdisp" role="group" aria-label="Display">
     ${toggle('ghosts')}${toggle('trail')}
     <button class="ib s" data-toggle="film" aria-label="Film camera" aria-pressed=${camera}
-      @click=${() => view.choose('camera', !camera)}>${icon('camc')}<span class="tip" aria-hidden="true">Film camera</span></button>
+      @click=${() => view.choose('camera', !camera)}>${icon('camc')}<span class="tip"
+        aria-hidden="true">Film camera</span></button>
     <span class="vsep"></span>
     ${menuHolder(
       'orbit',
@@ -62,7 +64,8 @@ export function freebar() {
       () => orbitEntries(view),
       'right',
     )}
-    <button class="btn ghost sm" title="Reset the view" @click=${() => perform('fitView')}>Reset<kbd>${keyOf('fitView')}</kbd></button>
+    <button class="btn ghost sm" title="Reset the view"
+      @click=${() => perform('fitView')}>Reset<kbd>${keyOf('fitView')}</kbd></button>
   </div>`;
 }
 
@@ -98,7 +101,11 @@ export function displaybar() {
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
     <span class="vsep"></span>
-    ${toggle('ghosts')}${toggle('trail')}${server.body?.is_persons && !isSurface() ? [toggle('rings'), largeView() === 'main' ? toggle('personMask') : nothing] : nothing}
+    ${toggle('ghosts')}${toggle('trail')}${
+      server.body?.is_persons && !isSurface()
+        ? [toggle('rings'), largeView() === 'main' ? toggle('personMask') : nothing]
+        : nothing
+    }
     ${largeView() === 'main' ? toggle('floor') : nothing}
   </div>`;
 }
@@ -204,5 +211,6 @@ function legend() {
 
 function problem() {
   if (!server.surface.problem) return nothing;
-  return html`<div class="glass" id="mproblem" role="status">${icon('warn')}<span>${server.surface.problem}</span></div>`;
+  return html`<div class="glass" id="mproblem"
+    role="status">${icon('warn')}<span>${server.surface.problem}</span></div>`;
 }

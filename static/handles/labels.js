@@ -28,7 +28,8 @@ function drawAngles(view) {
     if (!point || value === null) return nothing;
     const [left, top] = view.project(point);
     return Number.isFinite(left + top)
-      ? html`<div class="flt num jointangle ${side}" style="left:${left + AWAY}px;top:${top - AWAY}px">${degrees(value)}</div>`
+      ? html`<div class="flt num jointangle ${side}"
+        style="left:${left + AWAY}px;top:${top - AWAY}px">${degrees(value)}</div>`
       : nothing;
   });
 }
@@ -123,6 +124,11 @@ function drawName(view) {
   const { x, y } = over.at;
   const left = x + 150 > view.el.clientWidth;
   return html`<div class="flt row name ${left ? 'left' : ''}" style="left:${x + (left ? -10 : 14)}px;top:${y + 16}px">
-    ${over.side ? html`<span class="dot" style="background:var(--b${over.side})"></span>` : nothing}${over.label}${over.which ? html` <span class="mut">${over.which}</span> <kbd>Tab</kbd>` : nothing}
+    ${
+      over.side
+        ? html`<span class="dot"
+      style="background:var(--b${over.side})"></span>`
+        : nothing
+    }${over.label}${over.which ? html` <span class="mut">${over.which}</span> <kbd>Tab</kbd>` : nothing}
   </div>`;
 }

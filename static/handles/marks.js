@@ -40,7 +40,8 @@ function drawMark(view, pin, point, r) {
   if (!isSeen(at)) return nothing;
   const size = (2 * r * ANCHOR_SHARE) / 2;
   return svg`<g class=${`pinmark ${colour(pin)}`} transform=${`translate(${at[0].toFixed(1)} ${at[1].toFixed(1)})`}>
-    <circle r=${r} /><svg x=${-size / 2} y=${-size / 2} width=${size} height=${size} viewBox="0 0 16 16">${ANCHOR}</svg></g>`;
+    <circle r=${r} /><svg x=${-size / 2} y=${-size / 2} width=${size} height=${size}
+      viewBox="0 0 16 16">${ANCHOR}</svg></g>`;
 }
 
 const colour = (pin) => (pin.problem ? 'wrong' : pin.side);

@@ -142,7 +142,9 @@ function correct() {
 function draw(view) {
   const spots = here()?.spots ?? [];
   const left = isFirst() ? [] : first.spots.map((_, i) => i).slice(spots.length);
-  return svg`<g class="sketch matched">${left.map((i) => expected(view, i))}${spots.map((spot, i) => numbered(view, spot, i))}</g>`;
+  return svg`<g class="sketch matched">${left.map((i) => expected(view, i))}${spots.map((spot, i) =>
+    numbered(view, spot, i),
+  )}</g>`;
 }
 
 /** Where the camera's motion has a point of the first frame, which is still to be marked here. */
@@ -156,7 +158,8 @@ function expected(view, i) {
     server.camera.cx + (server.camera.fx * x) / z,
     server.camera.cy + (server.camera.fy * y) / z,
   ]);
-  return svg`<g class="expected"><circle class="ring-edge" cx=${sx} cy=${sy} r=${RADIUS} /><circle class="ring" cx=${sx} cy=${sy} r=${RADIUS} />${badge(sx, sy, i)}</g>`;
+  return svg`<g class="expected"><circle class="ring-edge" cx=${sx} cy=${sy} r=${RADIUS} /><circle class="ring" cx=${sx}
+    cy=${sy} r=${RADIUS} />${badge(sx, sy, i)}</g>`;
 }
 
 /** A cross at the place, its number beside it. */

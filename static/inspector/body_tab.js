@@ -28,7 +28,8 @@ export function sizesPreview() {
     html`
     ${error(found.error)}
     <div class="newsizes" role="table" aria-label="New sizes in centimetres">
-      <div class="row dim head" role="row"><span>cm</span><span>Before</span><i></i><span>After</span><span>Change</span></div>
+      <div class="row dim head"
+        role="row"><span>cm</span><span>Before</span><i></i><span>After</span><span>Change</span></div>
       ${previewRow({ part: 'Height', ...found.height }, 'whole')}
       ${large.map((one) => previewRow(one))}
       ${found.unseen.map(unseen)}
@@ -58,12 +59,14 @@ function previewRow({ part, what, pair, before, after }, kind = '') {
     <span class="cut" role="cell" title=${name}><span class="dot ${pair ? 'both' : ''}"></span>${name}</span>
     <span class="num mut" role="cell">${before.toFixed(1)}</span><i class="dim">→</i>
     <b class="num" role="cell">${after.toFixed(1)}</b>
-    <span class="num by ${Math.abs(after - before) < LEAST_CM ? 'tiny' : ''}" role="cell">${signedNumber(after - before, 1)}</span>
+    <span class="num by ${Math.abs(after - before) < LEAST_CM ? 'tiny' : ''}"
+      role="cell">${signedNumber(after - before, 1)}</span>
   </div>`;
 }
 
 const unseen = (part) => html`<div class="row dim" role="row">
-  <span class="cut" role="cell"><span class="dot"></span>${part}</span><span class="notseen" role="cell">not seen</span></div>`;
+  <span class="cut" role="cell"><span class="dot"></span>${part}</span><span class="notseen"
+    role="cell">not seen</span></div>`;
 
 function more(count) {
   return html`<button type="button" class="link morelines" aria-expanded=${Boolean(ui.allSizes)}
@@ -86,8 +89,13 @@ function poses(found) {
     })}
     <div class="row dim"><span>at most ${Math.ceil(most)}°, in ${found.turns.length} of ${found.keyframes} keyframes</span>
       <span class="sp"></span>
-      <button type="button" class="link" title="Go to the next of these keyframes" @click=${() => goTo(nextOf(found.turns))}>Show</button></div>
-    ${here ? html`<p class="turns dim">${here.parts.map(({ part, deg }) => `${part} ${deg.toFixed(0)}°`).join(' · ')}</p>` : nothing}
+      <button type="button" class="link" title="Go to the next of these keyframes"
+        @click=${() => goTo(nextOf(found.turns))}>Show</button></div>
+    ${
+      here
+        ? html`<p class="turns dim">${here.parts.map(({ part, deg }) => `${part} ${deg.toFixed(0)}°`).join(' · ')}</p>`
+        : nothing
+    }
   </div>`;
 }
 
@@ -100,8 +108,10 @@ function nextOf(turns) {
 function answer() {
   const { looking_back: back } = server.sizes_preview;
   return html`<div class="row answer">
-    <button class="btn sm before" aria-pressed=${back} data-keeps-focus data-while-held title="Hold to see the body as it is"
-      @pointerdown=${(event) => event.button === 0 && lookBack(true)} @blur=${() => lookBack(false)}>Before<kbd>B</kbd></button>
+    <button class="btn sm before" aria-pressed=${back} data-keeps-focus data-while-held
+      title="Hold to see the body as it is"
+      @pointerdown=${(event) => event.button === 0 && lookBack(true)}
+        @blur=${() => lookBack(false)}>Before<kbd>B</kbd></button>
     <span class="sp"></span>
     <button class="btn sm ghost" @click=${discardSizes}>Discard<kbd>Esc</kbd></button>
     <button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button>
@@ -206,7 +216,8 @@ function whole() {
 function fromFile() {
   const title = 'Use a body from a JSON file. Keyframes keep the parts that it has too';
   return html`<label class="ib s filebtn" title=${title}>
-    ${icon('folder')}<input type="file" accept=".json,application/json" aria-label="Body from a file" @change=${takeBody} />
+    ${icon('folder')}<input type="file" accept=".json,application/json" aria-label="Body from a file"
+      @change=${takeBody} />
   </label>`;
 }
 

@@ -36,7 +36,8 @@ export function cameraMotion() {
 function known() {
   if (isFindingCamera()) {
     const { title, words, percent } = server.job;
-    return html`<p class="note icons" role="status">${icon('run')}<span>${title}: <span class="num">${words || `${Math.round(percent ?? 0)} %`}</span></span></p>`;
+    return html`<p class="note icons"
+      role="status">${icon('run')}<span>${title}: <span class="num">${words || `${Math.round(percent ?? 0)} %`}</span></span></p>`;
   }
   const [kind, sign] = isCameraUnknown() ? ['warned', 'warn'] : cameraKind() ? ['good', 'check'] : ['', 'camc'];
   return html`<p class=${`note icons ${kind}`} role="status">${icon(sign)}<span>${cameraWords()}</span></p>`;
@@ -112,7 +113,8 @@ function doubts() {
 /** @param {CameraFinding} found */
 function doubt(found) {
   if (!hasFrames(found)) return html`<li class="note icons">${icon('warn')}<span>${found.words}</span></li>`;
-  return html`<li><button type="button" class="listrow doubt" title=${`Go to ${found.first}`} @click=${() => visitFinding(found)}>
+  return html`<li><button type="button" class="listrow doubt" title=${`Go to ${found.first}`}
+    @click=${() => visitFinding(found)}>
     ${icon('warn')}<span>${found.words}</span></button></li>`;
 }
 
@@ -143,9 +145,14 @@ function corrections() {
 function corrected(at) {
   const isHere = at === server.view.frame;
   return html`<li class="listrow camkey ${isHere ? 'sel' : ''}">
-    <button type="button" class="name" title=${`Go to ${at}`} aria-current=${isHere ? 'true' : nothing} @click=${() => visit(at)}>Frame <span class="num">${at}</span></button>
+    <button type="button" class="name" title=${`Go to ${at}`} aria-current=${isHere ? 'true' : nothing}
+      @click=${() => visit(at)}>Frame <span class="num">${at}</span></button>
     <span class="sp"></span>
-    ${iconButton({ name: 'trash', label: `Delete the correction at frame ${at}`, act: () => perform('deleteCameraKey', at) })}</li>`;
+    ${iconButton({
+      name: 'trash',
+      label: `Delete the correction at frame ${at}`,
+      act: () => perform('deleteCameraKey', at),
+    })}</li>`;
 }
 
 function visit(at) {

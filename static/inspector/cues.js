@@ -21,11 +21,14 @@ export function keypoints() {
     html`<div class="kps" role="group" aria-label="Keypoints here">${rows.map(jointRow)}</div>
     <div class="kps-foot">
       <button type="button" class="btn sm ${isOn('rings') ? 'on' : ''}" aria-pressed=${isOn('rings')}
-        title=${titleOf('rings')} data-key=${keyOf('rings') || nothing} @click=${() => perform('rings')}>${labelOf('rings')}</button>
+        title=${titleOf('rings')} data-key=${keyOf('rings') || nothing}
+          @click=${() => perform('rings')}>${labelOf('rings')}</button>
       ${
         points.length > FEW
           ? html`<button type="button" class="btn sm ghost" aria-expanded=${Boolean(ui.allKeypoints)}
-        @click=${() => setUi('allKeypoints', !ui.allKeypoints)}>${ui.allKeypoints ? 'Fewer' : `All ${points.length}`}</button>`
+        @click=${() => setUi('allKeypoints', !ui.allKeypoints)}>${
+          ui.allKeypoints ? 'Fewer' : `All ${points.length}`
+        }</button>`
           : nothing
       }
     </div>`,
@@ -178,7 +181,11 @@ function network() {
       act: (id) => send({ do: 'settings', network: id }),
     }),
   )}
-  ${chosenOne?.remedy ? html`<p class="note warned">${icon('warn')}<span>${chosenOne.label} is not installed: run <code>${chosenOne.remedy}</code></span></p>` : nothing}`;
+  ${
+    chosenOne?.remedy
+      ? html`<p class="note warned">${icon('warn')}<span>${chosenOne.label} is not installed: run <code>${chosenOne.remedy}</code></span></p>`
+      : nothing
+  }`;
 }
 
 const isUsed = ({ on, off }) => on && !off;

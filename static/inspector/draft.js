@@ -80,7 +80,13 @@ function nobody() {
   if (!words) return nothing;
   const at = boxFrameFor(server.draft);
   return html`<p class="note warned">${icon('warn')}<span>${words}</span></p>
-    ${button({ name: 'crop', label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', kind: 'full', act: () => drawBoxAt(at) })}`;
+    ${button({
+      name: 'crop',
+      label: `Draw a box at ${at}`,
+      title: 'Draft these frames from a box in one of them',
+      kind: 'full',
+      act: () => drawBoxAt(at),
+    })}`;
 }
 
 /** Where the draft is unsure, as on the timeline. */

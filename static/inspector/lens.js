@@ -52,7 +52,11 @@ export function upright() {
     )}
     ${fact('Tilt', `${shortNumber(tilt, 1)}°`, 'How far the camera looks down')}
     ${fact('Roll', `${shortNumber(roll, 1)}°`, 'How far the camera leans to one side')}
-    ${off == null ? nothing : html`<p class="note icons ${isSure ? 'good' : 'warned'}">${icon(isSure ? 'check' : 'warn')}<span>${doubtWords(off)}</span></p>`}
+    ${
+      off == null
+        ? nothing
+        : html`<p class="note icons ${isSure ? 'good' : 'warned'}">${icon(isSure ? 'check' : 'warn')}<span>${doubtWords(off)}</span></p>`
+    }
     ${actionButton('findUp', undefined, { name: undefined, kind: 'full' })}
     ${drawingButton('vertical', {
       name: 'mid',
@@ -190,7 +194,11 @@ function focal() {
   })}${numberField(spec)}</div>
     ${fact('Across', `${shortNumber(degrees('across'), 1)}°`, 'How wide the camera sees')}
     ${fact('Down', `${shortNumber(degrees('down'), 1)}°`, 'How high the camera sees')}
-    ${fact('Depth', `+${shortNumber(100 / server.camera.focal_mm, 1)} % per mm`, 'A lens 1 mm longer puts everything so much farther away')}`;
+    ${fact(
+      'Depth',
+      `+${shortNumber(100 / server.camera.focal_mm, 1)} % per mm`,
+      'A lens 1 mm longer puts everything so much farther away',
+    )}`;
 }
 
 /** What the lens rests on, and what may make it better. */
@@ -199,7 +207,17 @@ function source() {
   const words = sourceWords();
   if (!words) return nothing;
   return html`<p class="note icons ${isGuess ? 'warned' : 'good'}">${icon(isGuess ? 'warn' : 'check')}<span>${words}</span></p>
-    ${isFileOther() ? button({ name: 'film', label: `File says ${millimetres(server.file.lens.focal_mm)}: use it`, title: fileWords(), kind: 'full', act: useFile }) : nothing}
+    ${
+      isFileOther()
+        ? button({
+            name: 'film',
+            label: `File says ${millimetres(server.file.lens.focal_mm)}: use it`,
+            title: fileWords(),
+            kind: 'full',
+            act: useFile,
+          })
+        : nothing
+    }
     ${
       isGuess && keyFrames().length > 1
         ? button({

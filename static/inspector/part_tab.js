@@ -20,7 +20,8 @@ export function limbs() {
   if (!key) return nothing;
   const rows = key.limbs.map(
     (limb) => html`<div class="row pinrow">
-    <span class="dot" style="background:var(--${limb.side})"></span><span class="cut">${limb.label}</span><span class="sp"></span>
+    <span class="dot"
+      style="background:var(--${limb.side})"></span><span class="cut">${limb.label}</span><span class="sp"></span>
     ${actionIcon('unkeyLimb', { frame: key.frame, parts: limb.parts, label: limb.label })}</div>`,
   );
   return section(
@@ -86,7 +87,8 @@ export function poses() {
 function card(pose) {
   const off = whyNot('insertPose', pose);
   return html`<li class=${`posecard ${off ? 'off' : ''}`}>
-    <button type="button" class="posepick" aria-label=${`Insert ${pose.name}`} title=${off || titleOf('insertPose', pose)}
+    <button type="button" class="posepick" aria-label=${`Insert ${pose.name}`}
+      title=${off || titleOf('insertPose', pose)}
       aria-disabled=${off ? 'true' : nothing} @click=${() => perform('insertPose', pose)}>${picture(pose)}</button>
     <span class="posedo">${actionIcon('insertMirrored', pose)}${iconButton({
       name: 'trash',
@@ -116,7 +118,8 @@ const LEAST = 0.01;
 
 function drawStroke([side, x0, y0, x1, y1, width]) {
   const path = `M${x0} ${y0}L${x1 + LEAST} ${y1}`;
-  return svg`<path class="edge" d=${path} stroke-width=${width + EDGE} /><path class=${side} d=${path} stroke-width=${width} />`;
+  return svg`<path class="edge" d=${path} stroke-width=${width + EDGE} /><path class=${side} d=${path}
+    stroke-width=${width} />`;
 }
 
 export function partTab() {

@@ -58,7 +58,10 @@ function pinButton(part) {
 }
 
 function pinRow(pin, index) {
-  return html`<div class="row pinrow ${pin.problem ? 'wrong' : ''}">${named(pin, '')}${actionButton('unpin', index, { name: undefined, kind: 'ghost' })}</div>
+  return html`<div class="row pinrow ${pin.problem ? 'wrong' : ''}">${named(pin, '')}${actionButton('unpin', index, {
+    name: undefined,
+    kind: 'ghost',
+  })}</div>
     ${pin.problem ? problem(pin, index) : nothing}`;
 }
 
@@ -71,7 +74,8 @@ function named(pin, kind) {
   const inside = pin.first <= server.view.frame && server.view.frame <= pin.last;
   return html`<svg class=${`swatch ${pin.side} ${kind}`} width="14" height="10" aria-hidden="true">
       ${svg`<rect x="0.75" y="0.75" width="12.5" height="8.5" rx="3" />`}</svg>
-    <button type="button" class="row name" title=${`Go to frame ${pin.first}${kind && ', proposed'}`} aria-current=${inside ? 'true' : nothing}
+    <button type="button" class="row name" title=${`Go to frame ${pin.first}${kind && ', proposed'}`}
+      aria-current=${inside ? 'true' : nothing}
       @click=${() => showPin(pin, inside ? server.view.frame : pin.first)}>
       <span class="cut">${pin.label}</span><span class="mut num">${framesOf(pin)}</span></button>
     <span class="sp"></span>`;
@@ -98,18 +102,28 @@ function details(part, index) {
       act: (on) => (on ? onFloor(change({ floor: true }), part) : send(change({ floor: false }))),
     })}
     ${pin.floor ? withoutEffect(pin) : nothing}
-    ${pin.slides_cm === null ? nothing : html`<p class="note">Slides at most ${shortNumber(pin.slides_cm, 1)} cm in ${framesOf(pin)}.</p>`}`;
+    ${
+      pin.slides_cm === null
+        ? nothing
+        : html`<p class="note">Slides at most ${shortNumber(pin.slides_cm, 1)} cm in ${framesOf(pin)}.</p>`
+    }`;
 }
 
 /** Why a foot may not come to the floor though it is to, and what to do about it. */
 function withoutEffect(pin) {
   if (!isUpKnown()) {
-    return html`<p class="note warned">What is up is not known yet, so the floor has no effect.</p>${actionButton('findUp', undefined, { name: undefined })}`;
+    return html`<p class="note warned">What is up is not known yet, so the floor has no effect.</p>${actionButton(
+      'findUp',
+      undefined,
+      { name: undefined },
+    )}`;
   }
   const exact = exactWithin(pin);
   if (exact.length === 0) return nothing;
   const words = exact.length === 1 ? `Keyframe ${exact[0]} is exact and holds` : `${exact.length} exact keyframes hold`;
-  return html`<p class="note warned">${words} the foot where it was posed.</p>${actionButton('softKeys', exact, { name: undefined })}`;
+  return html`<p class="note warned">${words} the foot where it was posed.</p>${actionButton('softKeys', exact, {
+    name: undefined,
+  })}`;
 }
 
 function holds(part, pin, change) {

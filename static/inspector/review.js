@@ -86,7 +86,10 @@ export function reviewPanel() {
   const answers = new Map(list.done.map(({ id, answer }) => [id, answer]));
   return html`<section class="review" aria-label="Review">
     ${head(list, open.length)}
-    <div class="rv-rows" role="list" @pointerleave=${() => setUi('reviewHeld', null)}>${list.rows.map((row) => drawRow(list, row, answers.get(row.id)))}</div>
+    <div class="rv-rows" role="list"
+      @pointerleave=${() => setUi('reviewHeld', null)}>${list.rows.map((row) =>
+        drawRow(list, row, answers.get(row.id)),
+      )}</div>
     ${open.length ? nothing : reviewFinishedCard(list)}
     ${list.done.length ? doneRow(list) : nothing}
     ${untracked()}
@@ -97,8 +100,11 @@ function head(list, left) {
   const all = list.done.length + left;
   const share = all ? (100 * list.done.length) / all : 100;
   return html`<header>
-    <div class="row"><h2>Review${left ? html` · <span class="num">${left} left</span>` : nothing}</h2><span class="sp"></span>
-      <button type="button" class="btn ghost sm" title="Close the review" @click=${closeReview}>Close<kbd>Esc</kbd></button></div>
+    <div class="row"><h2>Review${
+      left ? html` · <span class="num">${left} left</span>` : nothing
+    }</h2><span class="sp"></span>
+      <button type="button" class="btn ghost sm" title="Close the review"
+        @click=${closeReview}>Close<kbd>Esc</kbd></button></div>
     ${all ? progress(list.done.length, all, share) : nothing}
     <div class="row rv-goal"><span class="dim">Goal</span>${dropdown(goals())}<span class="sp"></span>
       ${left ? html`<span class="dim">worst first</span>` : nothing}</div>
@@ -132,16 +138,28 @@ const tooLow = (px) => (server.review?.right_px ?? 0) > px;
 /** @param {ReviewPlace} row @param {import('../store/shapes.js').Answer | undefined} answer */
 function drawRow(list, row, answer) {
   const isCurrent = row.id === list.current;
-  return html`<div class="rv-place ${isCurrent ? 'on' : ''} ${answer ? 'done' : ''}" role="listitem" aria-current=${isCurrent ? 'true' : nothing}>
+  return html`<div class="rv-place ${isCurrent ? 'on' : ''} ${answer ? 'done' : ''}" role="listitem"
+    aria-current=${isCurrent ? 'true' : nothing}>
     <button type="button" class="rv-go" title=${`Go to frame ${row.frame}`} @click=${() => visit(row.id)}>
       <frame-crop aria-hidden="true" .spec=${row}></frame-crop>
       <span class="rv-what">
-        <span class="row rv-name"><i class="dot" style="background:var(--${row.side})"></i><b class="cut">${row.label}</b><span class="num">${row.frame}</span></span>
-        <span class="num rv-size">${answer ? html`<span class="said">${icon('check')}${SAID[answer]}</span>` : row.size || (row.kind === 'draft' ? 'to confirm' : 'size not known')}</span>
+        <span class="row rv-name"><i class="dot"
+          style="background:var(--${row.side})"></i><b class="cut">${row.label}</b><span class="num">${row.frame}</span></span>
+        <span class="num rv-size">${
+          answer
+            ? html`<span class="said">${icon('check')}${SAID[answer]}</span>`
+            : row.size || (row.kind === 'draft' ? 'to confirm' : 'size not known')
+        }</span>
         <span class="rv-why cut">${row.reason}</span>
       </span>
     </button>
-    ${isCurrent && !answer && ui.tool !== 'box' ? actions(row) : answer && ui.reviewHeld === row.id ? html`<div class="rv-held" inert>${actions(row)}</div>` : nothing}
+    ${
+      isCurrent && !answer && ui.tool !== 'box'
+        ? actions(row)
+        : answer && ui.reviewHeld === row.id
+          ? html`<div class="rv-held" inert>${actions(row)}</div>`
+          : nothing
+    }
   </div>`;
 }
 
@@ -186,7 +204,8 @@ function doneRow(list) {
       html`<li>${label} <span class="num">${frame}</span> <span class="dim">${SAID[answer].toLowerCase()}</span></li>`,
   );
   return html`<p class="row past num">${icon('check')}${gone.length} done: ${gone.map(({ frame }) => frame).join(', ')}<span class="sp"></span>
-      <button type="button" class="btn ghost sm" aria-expanded=${Boolean(ui.reviewDone)} @click=${() => setUi('reviewDone', !ui.reviewDone)}>${ui.reviewDone ? 'Hide' : 'Show'}</button></p>
+      <button type="button" class="btn ghost sm" aria-expanded=${Boolean(ui.reviewDone)}
+        @click=${() => setUi('reviewDone', !ui.reviewDone)}>${ui.reviewDone ? 'Hide' : 'Show'}</button></p>
     ${ui.reviewDone ? html`<ul class="rv-done">${listed}</ul>` : nothing}`;
 }
 
@@ -204,13 +223,15 @@ function reviewFinishedCard(list) {
     <p class="row b">${icon('check')}<b>Nothing left above ${goal()} px${soFar}</b></p>
     ${list.done.length ? html`<p class="num">${doneWords(list)}</p>` : nothing}
     ${expected()}
-    <div class="row"><button type="button" class="btn sm ${soFar ? '' : 'pri'}" @click=${() => toggleMenu('export')}>Export…</button>
+    <div class="row"><button type="button" class="btn sm ${soFar ? '' : 'pri'}"
+      @click=${() => toggleMenu('export')}>Export…</button>
       ${lower()}</div>
   </div>`;
 }
 
 const track = (kind) =>
-  html`<button type="button" class="btn sm ${kind}" title=${titleOf('trackChanged')} @click=${() => perform('trackChanged')}>${words().verb}<kbd>${keyOf('trackChanged')}</kbd></button>`;
+  html`<button type="button" class="btn sm ${kind}" title=${titleOf('trackChanged')}
+    @click=${() => perform('trackChanged')}>${words().verb}<kbd>${keyOf('trackChanged')}</kbd></button>`;
 
 const hasMotion = () => (server.segments ?? []).some(({ state }) => ['good', 'check', 'lost'].includes(state));
 
@@ -224,7 +245,8 @@ function expected() {
 function lower() {
   const px = lowerGoal();
   if (px === undefined) return nothing;
-  return html`<button type="button" class="btn ghost sm" @click=${() => setGoal(px)}>Lower the goal to ${px} px</button>`;
+  return html`<button type="button" class="btn ghost sm"
+    @click=${() => setGoal(px)}>Lower the goal to ${px} px</button>`;
 }
 
 /** What is not tracked cannot be judged. */

@@ -16,7 +16,8 @@ export function section(title, body, right = nothing) {
 
 /** The name of a part with the colour of its side; a click selects it. `both`: it stands for its pair. */
 export function partName(part, both = false) {
-  return html`<button type="button" class="row name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
+  return html`<button type="button" class="row name" title=${`Select ${part.label.toLowerCase()}`}
+    @click=${() => select(part.name)}>
     <span class="dot ${both ? 'both' : ''}" style="background:var(--${part.side})"></span>
     <span class="cut">${both ? part.short : part.label}</span>
   </button>`;

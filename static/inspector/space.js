@@ -76,8 +76,17 @@ export function space() {
 function soles() {
   const { soles: words, soles_off_cm: off } = server.floor ?? {};
   const isNear = off !== null && Math.abs(off) <= NEAR_CM;
-  return html`${words ? html`<p class=${`note icons ${isNear ? 'good' : 'warned'}`} role="status">${icon(isNear ? 'check' : 'warn')}<span>${words}</span></p>` : nothing}
-    ${whyNot('stand') ? nothing : actionButton('stand', undefined, { name: undefined, kind: words ? 'full ghost' : 'full' })}`;
+  return html`${
+    words
+      ? html`<p class=${`note icons ${isNear ? 'good' : 'warned'}`}
+    role="status">${icon(isNear ? 'check' : 'warn')}<span>${words}</span></p>`
+      : nothing
+  }
+    ${
+      whyNot('stand')
+        ? nothing
+        : actionButton('stand', undefined, { name: undefined, kind: words ? 'full ghost' : 'full' })
+    }`;
 }
 
 /** All of them, or the worst alone. @param {number} rest */
@@ -94,7 +103,11 @@ function card(found) {
     <p>${found.words}</p>
     <div class="row">
       ${remedy ? button({ name: '', label, title: remedy.title, kind: 'sm', act: () => remedy.act(found) }) : nothing}
-      ${['lens', 'up'].includes(found.kind) ? nothing : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
+      ${
+        ['lens', 'up'].includes(found.kind)
+          ? nothing
+          : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })
+      }
     </div>
   </div>`;
 }

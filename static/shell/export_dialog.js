@@ -30,7 +30,8 @@ function dialog() {
   return html`<form class="in" @submit=${submit} @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title">Export</span><span class="sp"></span>
-      <button type="button" class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${() => setUi('exporting', null)}>${icon('x')}</button>
+      <button type="button" class="ib" title="Close" data-key="Esc" aria-label="Close"
+        @click=${() => setUi('exporting', null)}>${icon('x')}</button>
     </div>
     ${segmented({ label: 'What to export', value: options.what, options: kinds(), act: (what) => change({ what }) })}
     <div class="exfields" ?inert=${Boolean(ui.exportJob)}>${fields(options)}</div>

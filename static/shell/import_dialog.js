@@ -29,9 +29,15 @@ function dialog(importing) {
   return html`<form class="in" @submit=${submit} @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title cut">Import ${name}</span><span class="sp"></span>
-      <button type="button" class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${leaveImport}>${icon('x')}</button>
+      <button type="button" class="ib" title="Close" data-key="Esc" aria-label="Close"
+        @click=${leaveImport}>${icon('x')}</button>
     </div>
-    ${found ? html`${recognised(found)}<div class="exfields" ?inert=${stage === 'importing'}>${fields(importing)}</div>` : empty(importing)}
+    ${
+      found
+        ? html`${recognised(found)}<div class="exfields"
+      ?inert=${stage === 'importing'}>${fields(importing)}</div>`
+        : empty(importing)
+    }
     ${stage === 'importing' || stage === 'reading' ? progress(importing) : foot(importing)}
   </form>`;
 }
@@ -54,7 +60,11 @@ function onKey(event) {
 // --- what was recognised
 
 const empty = ({ stage, words }) => html`<div class="imempty">
-  ${stage === 'failed' ? html`${icon('warn')}<span role="alert">${words}</span>` : html`<span class="dim">Looking at what it holds…</span>`}
+  ${
+    stage === 'failed'
+      ? html`${icon('warn')}<span role="alert">${words}</span>`
+      : html`<span class="dim">Looking at what it holds…</span>`
+  }
 </div>`;
 
 function recognised({ kind, program, facts }) {
@@ -90,7 +100,9 @@ const SAID = {
 
 function names({ matched, left_out: left, convention }) {
   const known = Object.keys(matched).length;
-  return html`<div class=${known ? '' : 'checkword'}>${known} of ${known + left.length} names known${known ? html`<span class="mut"> (${convention})</span>` : nothing}</div>`;
+  return html`<div class=${known ? '' : 'checkword'}>${known} of ${known + left.length} names known${
+    known ? html`<span class="mut"> (${convention})</span>` : nothing
+  }</div>`;
 }
 
 // --- the fields
@@ -98,7 +110,12 @@ function names({ matched, left_out: left, convention }) {
 function fields({ found, choices }) {
   const { options, further } = optionsOf(found);
   if (found.kind === 'camera') {
-    return html`${orderFields(options, choices, change, further)}<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
+    return html`${orderFields(
+      options,
+      choices,
+      change,
+      further,
+    )}<span class="dim imnote">What was posed keeps its place and its size in the picture. Ctrl Z undoes it.</span>`;
   }
   further.places.field = () => unknownNames(found.facts.left_out, choices.places);
   return orderFields(options, choices, change, further);
@@ -113,7 +130,14 @@ function unknownNames(left, places) {
   };
   const rows = left.map(
     (name) => html`<span class="cut" title=${name}>${name}</span>
-    ${dropdown({ label: `What ${name} is`, kind: 'field', search: true, value: places[name] ?? '', options, act: act(name) })}`,
+    ${dropdown({
+      label: `What ${name} is`,
+      kind: 'field',
+      search: true,
+      value: places[name] ?? '',
+      options,
+      act: act(name),
+    })}`,
   );
   return html`<div class="imnames" tabindex="-1">${rows}</div>`;
 }
@@ -133,7 +157,8 @@ function foot({ found, choices, words }) {
   }
   const off = whyNotBegin(found, choices, frameCount());
   return html`<div class="row sheetfoot">
-    <span class=${words ? 'checkword imwords' : 'dim'} role=${words ? 'alert' : 'status'}>${words || off || BECOMES[found.kind]}</span><span class="sp"></span>
+    <span class=${words ? 'checkword imwords' : 'dim'}
+      role=${words ? 'alert' : 'status'}>${words || off || BECOMES[found.kind]}</span><span class="sp"></span>
     <button class="btn pri ${off ? 'off' : ''}" ?disabled=${Boolean(off)}>${icon('up')}Import</button>
   </div>`;
 }

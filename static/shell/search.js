@@ -58,8 +58,11 @@ function dialog() {
   const grouped = isAll && !query.trim();
   return html`<div class="in stack palette" @keydown=${onKey}>
     <div class="row ask">${icon('find')}<input type="text" role="combobox" aria-expanded="true" aria-autocomplete="list"
-        aria-controls="search-list" aria-activedescendant=${entries.length ? `search-${at}` : nothing} aria-label="Search commands"
-        placeholder=${isAll ? 'Search commands, parts, settings, notes, or type a frame' : `Search ${ui.search.toLowerCase()}s`} autocomplete="off" spellcheck="false" maxlength="80" autofocus
+        aria-controls="search-list" aria-activedescendant=${entries.length ? `search-${at}` : nothing}
+          aria-label="Search commands"
+        placeholder=${
+          isAll ? 'Search commands, parts, settings, notes, or type a frame' : `Search ${ui.search.toLowerCase()}s`
+        } autocomplete="off" spellcheck="false" maxlength="80" autofocus
         @input=${(event) => look(event.target.value)} /><kbd>Esc</kbd></div>
     <div class="found" id="search-list" role="listbox" aria-label="Commands">
       ${entries.map(
@@ -81,7 +84,14 @@ function row(entry, i) {
   return html`<div class="row hit ${i === at ? 'hov' : ''} ${off ? 'off' : ''}" role="option" id=${`search-${i}`}
     aria-selected=${i === at} aria-disabled=${off ? 'true' : nothing}
     @pointermove=${() => point(i)} @click=${() => choose(entry)}>
-    ${side ? html`<span class="dot" style=${`background:var(--${side})`}></span>` : sign ? icon(sign) : html`<span class="i"></span>`}
+    ${
+      side
+        ? html`<span class="dot"
+      style=${`background:var(--${side})`}></span>`
+        : sign
+          ? icon(sign)
+          : html`<span class="i"></span>`
+    }
     <span class="tt cut">${title}</span>
     ${on ? html`<span class="isOn">${kind === 'Part' ? 'selected' : 'on'}</span>` : nothing}
     <span class="sp"></span>

@@ -123,7 +123,13 @@ export function mountTopbar() {
 function bar() {
   return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
     ${server.file ? sessionButton() : html`<span class="sp"></span>`}
-    ${isNarrow() ? moreButton() : html`${actionIcon('search', undefined, { size: '' })}${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`}`;
+    ${
+      isNarrow()
+        ? moreButton()
+        : html`${actionIcon('search', undefined, { size: '' })}${actionIcon('showKeys', undefined, {
+            size: '',
+          })}${themeButton()}`
+    }`;
 }
 
 /** The browser's tab shows how far the tracking is while one works elsewhere. */

@@ -90,7 +90,8 @@ const newest = (kind) => sorted(ofKind(ui.library?.files ?? [], kind), { by: 'da
 function way() {
   const places = ui.place?.way ?? [];
   return html`<nav class="way row" aria-label="Folder">
-    <button class="ib s" title="Up" data-key="Backspace" aria-label="Up" ?disabled=${!places.length} @click=${up}><span class="turned">${icon('chev')}</span></button>
+    <button class="ib s" title="Up" data-key="Backspace" aria-label="Up" ?disabled=${!places.length}
+      @click=${up}><span class="turned">${icon('chev')}</span></button>
     <button class="crumb" ?disabled=${!places.length} @click=${() => enterFolder('')}>Folders</button>
     ${places.map(
       (
@@ -127,7 +128,9 @@ function folderRow({ id, name }) {
   const isEmpty = !held && ui.library && !ui.library.more;
   return html`<button class="filerow folder ${isEmpty ? 'bare' : ''}" @click=${() => enterFolder(id)}>
     <span class="th">${icon('folder')}</span><span class="cut">${name}</span>
-    <span class="dim num bytes">${held ? `${held}${ui.library.more ? '+' : ''}` : isEmpty ? 'Nothing found' : ''}</span><span></span>
+    <span class="dim num bytes">${
+      held ? `${held}${ui.library.more ? '+' : ''}` : isEmpty ? 'Nothing found' : ''
+    }</span><span></span>
   </button>`;
 }
 
@@ -155,7 +158,9 @@ function choose({ id }) {
 function none(isSearch) {
   if (isSearch ? !ui.library : !ui.place) return html`<p class="dim nothing">Looking…</p>`;
   const what = { session: 'session', meshes: 'surfaces', video: 'video', any: 'video or session' }[ui.chooser.kind];
-  return html`<p class="dim nothing">${isSearch ? html`No file is named “${ui.fileFind}”.` : `No ${what} in this folder.`}</p>`;
+  return html`<p class="dim nothing">${
+    isSearch ? html`No file is named “${ui.fileFind}”.` : `No ${what} in this folder.`
+  }</p>`;
 }
 
 function footnote(many, isSearch) {

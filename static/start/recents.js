@@ -57,7 +57,8 @@ export function renameBox(session) {
     box.select();
   });
   return html`<input class="renamebox findbox" aria-label="Name of the session" maxlength=${LONGEST}
-    .value=${session.name} @keydown=${(event) => onRenameKey(event, session)} @blur=${(event) => finish(event, session)} />`;
+    .value=${session.name} @keydown=${(event) => onRenameKey(event, session)} @blur=${(event) => finish(event, session)}
+      />`;
 }
 
 function onRenameKey(event, session) {
@@ -130,8 +131,10 @@ function row(recent) {
   if (isRenamed(recent.id)) return html`<div class="recrow"><div class="rec">${face(renameBox(recent))}</div></div>`;
   const menu = (event) => openSessionMenu(event, recent);
   return html`<div class="recrow" @contextmenu=${menu} @keydown=${(event) => onSessionKey(event, recent)}>
-    <button class="rec" title=${path} @click=${() => open(recent)}>${face(html`<span class="b">${name}</span>`)}</button>
-    <button class="ib more" title="Rename, duplicate, delete" aria-label="Menu of ${name}" aria-haspopup="menu" @click=${menu}>
+    <button class="rec" title=${path}
+      @click=${() => open(recent)}>${face(html`<span class="b">${name}</span>`)}</button>
+    <button class="ib more" title="Rename, duplicate, delete" aria-label="Menu of ${name}" aria-haspopup="menu"
+      @click=${menu}>
       ${icon('more')}
     </button>
   </div>`;
@@ -180,7 +183,8 @@ function movedCard(recent) {
       <span class="mut">Its session is safe: ${count(keyframes, 'keyframe')}.</span><br />
       <button class="textlink" @click=${() => openChooser('video', recent)}>Find the video…</button>
     </span>
-    <button class="ib more" title="Duplicate, delete" aria-label="Menu of ${recent.name}" aria-haspopup="menu" @click=${menu}>
+    <button class="ib more" title="Duplicate, delete" aria-label="Menu of ${recent.name}" aria-haspopup="menu"
+      @click=${menu}>
       ${icon('more')}
     </button>
   </div>`;

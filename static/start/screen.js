@@ -51,7 +51,9 @@ function content() {
     <div>${dropZone()}${samples()}${privacyNote()}</div>
     ${recents === nothing ? nothing : html`<div class="stack recents">${recents}</div>`}
     <div class="how">
-      ${STEPS.map(([title, text], i) => html`<div><i>${i + 1}</i><b>${title}</b><span class="mut">${text}</span></div>`)}
+      ${STEPS.map(
+        ([title, text], i) => html`<div><i>${i + 1}</i><b>${title}</b><span class="mut">${text}</span></div>`,
+      )}
     </div>
   </div>`;
 }

@@ -62,8 +62,20 @@ function card(shown) {
       ${dropdown({ label: 'Joint angle', value, kind: 'field', options, act: (id) => chartAngle(...id.split(' ')) })}
       <span class="dim">+ ${positive}, − ${negative}</span><span class="sp"></span>
       ${sides.map(sideNow)}
-      ${button({ name: 'img', label: 'Save picture', title: 'Save the whole curve as a PNG picture', kind: 'sm', act: saveAnglePicture })}
-      ${button({ name: 'exp', label: 'Save CSV', title: 'Save frames, seconds and degrees as a table', kind: 'sm', act: saveAngleTable })}
+      ${button({
+        name: 'img',
+        label: 'Save picture',
+        title: 'Save the whole curve as a PNG picture',
+        kind: 'sm',
+        act: saveAnglePicture,
+      })}
+      ${button({
+        name: 'exp',
+        label: 'Save CSV',
+        title: 'Save frames, seconds and degrees as a table',
+        kind: 'sm',
+        act: saveAngleTable,
+      })}
       ${iconButton({ name: 'x', label: 'Close', act: closeAngle })}
     </div>
     ${chart(shown)}
@@ -76,7 +88,12 @@ function sideNow({ side, values, errors }) {
   const found = extremes(values);
   const range = found ? `${degrees(found.low.value)} to ${degrees(found.high.value)}` : '';
   return html`<span class="side ${side}"><span class="dim">${SIDES[side]}</span> <b class="num">${degrees(values[frame()])}</b>
-    ${off === null ? nothing : html`<span class="dim num" title="Half of all are off by less">± ${degrees(off)} ·</span>`}
+    ${
+      off === null
+        ? nothing
+        : html`<span class="dim num"
+      title="Half of all are off by less">± ${degrees(off)} ·</span>`
+    }
     <span class="dim num">${range}</span></span>`;
 }
 
@@ -92,11 +109,22 @@ function chart(shown) {
     ${ticksOf(low, high, STEPS, 6).map(
       (
         value,
-      ) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)} />
+      ) => svg`<line class="tick ${value === 0 ? 'zero' : ''}" x1=${GUTTER} x2=${right()} y1=${y(value)} y2=${y(value)}
+        />
       <text x=${GUTTER - 8} y=${y(value) + 4}>${value}°</text>`,
     )}
-    ${shown.sides.map(({ side, values, errors }) => bands(values, errors).map((d) => svg`<path class="band ${side}" d=${d(y)} />`))}
-    ${shown.sides.map((each) => curves(each, shown.guess).map(([kind, run]) => svg`<path class="curve ${kind}" d=${line(run, y)} />`))}
+    ${shown.sides.map(({ side, values, errors }) =>
+      bands(values, errors).map(
+        (d) => svg`<path class="band ${side}"
+      d=${d(y)} />`,
+      ),
+    )}
+    ${shown.sides.map((each) =>
+      curves(each, shown.guess).map(
+        ([kind, run]) => svg`<path class="curve ${kind}"
+      d=${line(run, y)} />`,
+      ),
+    )}
     ${shown.sides.map(({ side, values }) => ends(side, values, y, first, last))}
     <line class="now" x1=${at} x2=${at} y1="0" y2=${height} />
     ${shown.sides.map(({ side, values }) => now(side, values[frame()], at, y))}
@@ -133,7 +161,8 @@ function ends(side, values, y, first, last) {
     .map(
       (one) => svg`<g class="end ${side}">
     <circle cx=${x(one.frame)} cy=${y(one.value)} r="3.5" />
-    <text x=${Math.min(x(one.frame), right() - END_PX)} y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`,
+    <text x=${Math.min(x(one.frame), right() - END_PX)}
+      y=${y(one.value) + (one === found.high ? -8 : 17)}>${degrees(one.value)}</text></g>`,
     );
 }
 

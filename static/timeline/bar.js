@@ -33,7 +33,11 @@ function transport() {
     ${button('nextFrame')}${button('nextKeyframe')}${button('lastFrame')}
     ${button('loop')}${speed()}
     ${frameBox()}
-    ${isKey(frame()) ? actionIcon('deleteKeyframe', frame(), { size: '', pressed: true }) : button('addKeyframe', { pressed: false })}
+    ${
+      isKey(frame())
+        ? actionIcon('deleteKeyframe', frame(), { size: '', pressed: true })
+        : button('addKeyframe', { pressed: false })
+    }
     ${keyFrames().length > 0 ? button('middle') : nothing}
     <span class="vsep"></span>`;
 }
@@ -116,8 +120,10 @@ const interrupted = () =>
     `Review: ${placesToReview().length} left`,
     '',
     html`
-  <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
-  <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button>`,
+  <button class="btn sm pri"
+    @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
+  <button class="btn sm ghost" title="Shift R opens the review again"
+    @click=${() => setUi('reviewLeft', false)}>Dismiss</button>`,
   );
 
 /** Pins wait to be accepted. */
@@ -191,7 +197,8 @@ function aheadButton(way, kind) {
 /** @param {import('../actions/actions.js').ActionId} id */
 function primary(id, word, label = labelOf(id), kind = 'pri') {
   const why = whyNot(id);
-  return html`<button class="btn sm ${kind} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing} title=${why || label} @click=${() => perform(id)}
+  return html`<button class="btn sm ${kind} ${why ? 'off' : ''}" aria-disabled=${why ? 'true' : nothing}
+    title=${why || label} @click=${() => perform(id)}
     >${word}<kbd aria-hidden="true">${keyOf(id)}</kbd></button>`;
 }
 
@@ -218,7 +225,8 @@ function drawCount(number, state) {
 function notes() {
   const { length } = server.notes ?? [];
   if (length === 0) return nothing;
-  return html`<button class="row count noted" title=${labelOf('notes')} aria-label=${`${count(length, 'note')}, list them`}
+  return html`<button class="row count noted" title=${labelOf('notes')}
+    aria-label=${`${count(length, 'note')}, list them`}
     @click=${() => perform('notes')}>${icon('note')}${length}</button>`;
 }
 

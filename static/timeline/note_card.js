@@ -50,12 +50,18 @@ function follow() {
 function draw(text) {
   const left = LONGEST - text.length;
   render(
-    html`<div class="menu stack notecard" role="dialog" aria-label=${`Note at frame ${open.frame}`} data-keeps-focus @keydown=${onKey}>
+    html`<div class="menu stack notecard" role="dialog" aria-label=${`Note at frame ${open.frame}`} data-keeps-focus
+      @keydown=${onKey}>
     <div class="row"><span class="i14">${icon('note')}</span><b>Note at frame ${open.frame}</b><span class="sp"></span>
       <span class="dim num" aria-live="polite">${left <= LONGEST - NEARLY_FULL ? `${left} left` : nothing}</span></div>
     <textarea rows="3" maxlength=${LONGEST} aria-label="Note" placeholder="Left empty, it is a flag"
       @input=${(event) => draw(event.target.value)}></textarea>
-    <div class="row">${open.isNew ? nothing : html`<button class="btn sm ghost" title=${labelOf('deleteNote')} @click=${remove}>${icon('trash')}Delete</button>`}
+    <div class="row">${
+      open.isNew
+        ? nothing
+        : html`<button class="btn sm ghost" title=${labelOf('deleteNote')}
+      @click=${remove}>${icon('trash')}Delete</button>`
+    }
       <span class="sp"></span>
       <button class="btn sm ghost" @click=${() => close(false)}>Cancel<kbd>Esc</kbd></button>
       <button class="btn sm pri" @click=${() => close(true)}>Save<kbd>Enter</kbd></button></div>

@@ -86,9 +86,12 @@ function card() {
     ${goal()}
     <p class="found" aria-live="polite">${found()}</p>
     ${limb()}${replacing()}
-    <div class="row"><span class="dim hint">${limbs.length ? '' : 'The motion between them stays as it is.'}</span><span class="sp"></span>
+    <div class="row"><span class="dim hint">${
+      limbs.length ? '' : 'The motion between them stays as it is.'
+    }</span><span class="sp"></span>
       <button class="btn sm ghost" @click=${discardReduction}>Cancel<kbd>Esc</kbd></button>
-      <button class="btn sm pri ${busy ? 'off' : ''}" aria-disabled=${busy ? 'true' : nothing} @click=${applyReduction}>Reduce<kbd>Enter</kbd></button></div>
+      <button class="btn sm pri ${busy ? 'off' : ''}" aria-disabled=${busy ? 'true' : nothing}
+        @click=${applyReduction}>Reduce<kbd>Enter</kbd></button></div>
   </div>`;
 }
 

@@ -106,7 +106,8 @@ export class CameraView extends View {
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
     const [width, height] = [server.camera.width, server.camera.height].map((n) => n * this.window.scale);
     return svg`<rect class="edge" x=${x} y=${y} width=${width} height=${height} />
-      <svg x=${x} y=${y} width=${width} height=${height} viewBox=${`${x} ${y} ${width} ${height}`}>${this.#floor()}</svg>`;
+      <svg x=${x} y=${y} width=${width} height=${height}
+        viewBox=${`${x} ${y} ${width} ${height}`}>${this.#floor()}</svg>`;
   }
 
   /** The floor around the feet, over the picture and under the body. */

@@ -62,7 +62,8 @@ export function drawFloor(project, distance) {
   const paths = gridPaths(project, { level, floor, centre: bodyMiddle(), reach, cell });
   return svg`<g class="floor">${paths.map(
     ({ d, share, isStrong }) =>
-      svg`<path class=${isStrong ? 'strong' : ''} d=${d} stroke-opacity=${(share * (isStrong ? 0.7 : 0.3)).toFixed(3)} />`,
+      svg`<path class=${isStrong ? 'strong' : ''} d=${d} stroke-opacity=${(share * (isStrong ? 0.7 : 0.3)).toFixed(3)}
+        />`,
   )}</g>`;
 }
 

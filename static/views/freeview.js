@@ -294,7 +294,9 @@ export class FreeView extends View {
   #things() {
     const project = this.#project;
     const hasCamera = this.habits.camera && server.camera;
-    return svg`${drawGhosts(project)}${drawWays(project)}${hasCamera ? svg`${drawCameraPath(project)}${drawFilmCamera(project)}` : nothing}`;
+    return svg`${drawGhosts(project)}${drawWays(project)}${
+      hasCamera ? svg`${drawCameraPath(project)}${drawFilmCamera(project)}` : nothing
+    }`;
   }
 
   /** The picture of the film, laid into its frame. */
@@ -388,5 +390,6 @@ const stand = ([x, y]) => `left:${x.toFixed(1)}px;top:${y.toFixed(1)}px`;
 
 /** @param {{ words: string, at: number[], shift: number[], kind?: string }} mark */
 function label({ words, at, shift: [dx, dy], kind = '' }) {
-  return html`<span class="mark num ${kind} ${dx < 0 ? 'left' : ''}" style=${stand([at[0] + dx, at[1] + dy])}>${words}</span>`;
+  return html`<span class="mark num ${kind} ${dx < 0 ? 'left' : ''}"
+    style=${stand([at[0] + dx, at[1] + dy])}>${words}</span>`;
 }

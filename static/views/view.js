@@ -215,7 +215,8 @@ export class View {
   label(plate = '') {
     if (this.isInLargePlace) return nothing;
     const key = VIEW_KEYS[this.name];
-    return html`<div class="row lab ${plate}" title="Double-click for the free view" @dblclick=${() => setUi('layout', 'free')}><kbd>${key}</kbd>${VIEW_NAMES[this.name]}</div>
+    return html`<div class="row lab ${plate}" title="Double-click for the free view"
+      @dblclick=${() => setUi('layout', 'free')}><kbd>${key}</kbd>${VIEW_NAMES[this.name]}</div>
       <button
         class="ib s exp"
         title="Enlarge" data-key=${key}

@@ -88,7 +88,9 @@ export const KEYFRAMES = {
 };
 
 function nudging(by, chord) {
-  const label = `Move selected keyframes ${Math.abs(by) === 1 ? 'one frame' : 'ten frames'} ${by < 0 ? 'earlier' : 'later'}`;
+  const label = `Move selected keyframes ${
+    Math.abs(by) === 1 ? 'one frame' : 'ten frames'
+  } ${by < 0 ? 'earlier' : 'later'}`;
   return {
     label,
     keys: [`Ctrl ${chord}`],

@@ -87,7 +87,8 @@ export function drawCurve(row) {
   const error = svg`<path class="error" d=${errorLine(row)} />`;
   if (at === null) return error;
   const values = server.curve[axis()] ?? [];
-  return svg`<path class="s-line" d=${at.ticks.map((value) => `M${GUTTER} ${at.y(value).toFixed(1)}H${right() + 26}`).join('')} />
+  return svg`<path class="s-line"
+    d=${at.ticks.map((value) => `M${GUTTER} ${at.y(value).toFixed(1)}H${right() + 26}`).join('')} />
     ${error}
     ${pieces().map(
       ({ first, last, stale }) => svg`

@@ -16,7 +16,8 @@ export function plate(words, at, y, more = '') {
   const wide = (words.length + more.length) * LETTER_PX + 14;
   const centre = clamp(at, GUTTER + 4 + wide / 2, right() + 22 - wide / 2);
   return svg`<g class="plate"><rect x=${centre - wide / 2} y=${y - 10} width=${wide} height="20" rx="4" />
-    <text x=${centre} y=${y + 4} text-anchor="middle">${words}${more ? svg`<tspan class="more">${more}</tspan>` : nothing}</text></g>`;
+    <text x=${centre} y=${y + 4}
+      text-anchor="middle">${words}${more ? svg`<tspan class="more">${more}</tspan>` : nothing}</text></g>`;
 }
 
 /** What a mark of the keyframes' row is called, below it. */

@@ -114,12 +114,16 @@ function drawLane(row) {
     <path class="camera-error" d=${runsOf(errors())
       .map((run) => line(run, y))
       .join('')} />
-    ${seenOf(cameraKeys()).map((at) => svg`<path class="keymark camera-key" d=${diamond(x(at), middle(row), RADIUS)} />`)}</g>`;
+    ${seenOf(cameraKeys()).map(
+      (at) => svg`<path class="keymark camera-key" d=${diamond(x(at), middle(row), RADIUS)}
+      />`,
+    )}</g>`;
 }
 
 function drawFinding(one, { y, h }) {
   const [from, to] = ends(one);
-  return svg`<rect class=${`camera-finding ${one.kind === 'cut' ? 'cut' : ''}`} x=${from} y=${y + 1} width=${to - from} height=${h - 2} rx="2" />`;
+  return svg`<rect class=${`camera-finding ${one.kind === 'cut' ? 'cut' : ''}`} x=${from} y=${y + 1} width=${to - from}
+    height=${h - 2} rx="2" />`;
 }
 
 function drawLabels(row) {

@@ -65,7 +65,8 @@ export const keyframe = {
   drag({ from, to, copy, taken, refused }, { keys: { middle } }) {
     const words = taken ? `${to} is a ${partKeyAt(to) ? 'part ' : ''}keyframe` : `${from} ${copy ? '+' : '→'} ${to}`;
     return svg`${copy ? nothing : svg`<path class="home" d=${diamond(x(from), middle, 5)} />`}
-      <g class=${refused ? 'shake' : ''}><path class=${`moving${taken ? ' taken' : ''}`} d=${diamond(x(to), middle, 8)} /></g>
+      <g class=${refused ? 'shake' : ''}><path class=${`moving${taken ? ' taken' : ''}`} d=${diamond(x(to), middle, 8)}
+        /></g>
       ${plate(words, x(to), middle + 22)}`;
   },
 };
@@ -162,7 +163,8 @@ function drawCurrent({ middle }) {
   const at = frame();
   if (onTheWay().includes(at)) return nothing;
   if (isKey(at)) {
-    return svg`<path class=${`keymark current${isSoft(at) ? ' soft' : ''}${chosenKeys().includes(at) ? ' chosen' : ''}`} d=${diamond(x(at), middle, CURRENT)} />`;
+    return svg`<path class=${`keymark current${isSoft(at) ? ' soft' : ''}${chosenKeys().includes(at) ? ' chosen' : ''}`}
+      d=${diamond(x(at), middle, CURRENT)} />`;
   }
   return draftFrames().includes(at)
     ? svg`<path class="draft current" d=${diamond(x(at), middle, CURRENT - 1)} />`

@@ -49,6 +49,7 @@ export const keysRow = {
   click: clickRow,
   drag({ from, to }, { keys }) {
     const [left, right] = [Math.max(GUTTER + 1, Math.min(x(from), x(to))), Math.max(x(from), x(to))];
-    return svg`<rect class="selbox" x=${left} y=${keys.y + 1.5} width=${Math.max(0, right - left)} height=${keys.h - 4} rx="2" />`;
+    return svg`<rect class="selbox" x=${left} y=${keys.y + 1.5} width=${Math.max(0, right - left)} height=${keys.h - 4}
+      rx="2" />`;
   },
 };

@@ -120,7 +120,8 @@ const isSelected = ({ kind, parts }) => kind !== 'weakest' && parts.includes(ser
 
 function drawLanes({ rows, lanes, scroll }) {
   // Scrolled lanes end where their room ends.
-  return svg`<clipPath id="tl-lanes"><rect x="0" y=${rows.lanes.y - 1} width="100000" height=${rows.lanes.room + 1} /></clipPath>
+  return svg`<clipPath id="tl-lanes"><rect x="0" y=${rows.lanes.y - 1} width="100000" height=${rows.lanes.room + 1}
+    /></clipPath>
     <g clip-path="url(#tl-lanes)">${lanes.map((one, i) => drawLane(one, laneBox(rows, i, scroll)))}</g>`;
 }
 
@@ -175,7 +176,8 @@ function drawLabels({ rows, lanes, scroll }) {
     const { h, base, y } = laneBox(rows, i, scroll);
     const indent = { weakest: 12, group: 26, part: 38 }[one.kind];
     const ink = `lanename${isSelected(one) ? ' lbl' : ''}${one.kind === 'part' ? ' single' : ''}`;
-    const name = svg`<text class=${ink} x=${indent} y=${base - Math.max(0, (h - 11) / 2)} @click=${() => selectOf(one)}>${one.label}</text>`;
+    const name = svg`<text class=${ink} x=${indent} y=${base - Math.max(0, (h - 11) / 2)}
+      @click=${() => selectOf(one)}>${one.label}</text>`;
     return one.kind === 'group' ? [arrow(one, y, h), name] : name;
   };
   return svg`<g clip-path="url(#tl-lanes)">${lanes.map(label)}</g>${drawThumb(rows, scroll)}`;

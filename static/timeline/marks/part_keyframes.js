@@ -54,8 +54,14 @@ export const partKeyframe = {
     const key = partKeyAt(at);
     return (
       key &&
-      svg`<path class="hover" d=${diamond(x(at), rows.keys.middle, 10.5)} />${named(`Part keyframe ${at}`, x(at), rows, `  ${key.words}`)}
-      ${plate('', x(at), rows.keys.middle + 44, 'The other parts follow tracking here. Double-click to key the whole pose.')}`
+      svg`<path class="hover" d=${diamond(x(at), rows.keys.middle, 10.5)}
+        />${named(`Part keyframe ${at}`, x(at), rows, `  ${key.words}`)}
+      ${plate(
+        '',
+        x(at),
+        rows.keys.middle + 44,
+        'The other parts follow tracking here. Double-click to key the whole pose.',
+      )}`
     );
   },
 };

@@ -224,7 +224,8 @@ function drawCutOff(row) {
   const { y, h } = placeOf(one);
   const [from, to] = what.end === 'last' ? [one.last, what.from.last] : [what.from.first, one.first];
   if (to <= from) return nothing;
-  return svg`<rect class=${`cut ${one.side}`} x=${x(from)} y=${row.y + y + 0.5} width=${x(to) - x(from)} height=${h - 1} />
+  return svg`<rect class=${`cut ${one.side}`} x=${x(from)} y=${row.y + y + 0.5} width=${x(to) - x(from)} height=${h - 1}
+    />
     <path class=${`cutend ${one.side}`} d=${`M${x(what.end === 'last' ? to : from)} ${row.y + y}v${h}`} />`;
 }
 
@@ -237,7 +238,8 @@ function drawPinLabels(row) {
     const { text, side } = words(sides);
     return text ? svg`<text class=${`side ${side}`} x=${GUTTER - 10} y=${y} text-anchor="end">${text}</text>` : nothing;
   };
-  return svg`<svg class="sign" x="9" y=${row.y + (row.h - SIGN_PX) / 2} width=${SIGN_PX} height=${SIGN_PX} viewBox="0 0 16 16">${ANCHOR}</svg>
+  return svg`<svg class="sign" x="9" y=${row.y + (row.h - SIGN_PX) / 2} width=${SIGN_PX} height=${SIGN_PX}
+    viewBox="0 0 16 16">${ANCHOR}</svg>
     <text class="lbl" x="26" y=${row.y + row.h / 2 + 4}>Pins</text>
     ${label('RC', row.y + 12)}${label('L', row.y + 26)}`;
 }

@@ -119,7 +119,8 @@ function drawWord(one, middle) {
   const at = word === '' ? null : freePlace(Math.max(from, GUTTER), Math.min(to, right()), wide);
   if (at === null) return nothing;
   return svg`<rect class="f-panel" x=${at - wide / 2} y=${middle - 8} width=${wide} height="16" rx="8" />
-    <text class=${`word ${INKS[one.state] ?? `f-${one.state}`}`} x=${at} y=${middle + 4} text-anchor="middle">${word}</text>`;
+    <text class=${`word ${INKS[one.state] ?? `f-${one.state}`}`} x=${at} y=${middle + 4}
+      text-anchor="middle">${word}</text>`;
 }
 
 /**
@@ -151,7 +152,9 @@ export function openSegmentMenu(one, page, at = frame()) {
     `Segment ${frames}`,
     [
       content(
-        html`<div class=${`says ${state}`}>${icon(state === 'none' ? 'track' : VERDICTS[state].sign)}<span><b>${frames}</b> ${sentenceOf(one)}</span></div>`,
+        html`<div class=${`says ${state}`}>${icon(
+          state === 'none' ? 'track' : VERDICTS[state].sign,
+        )}<span><b>${frames}</b> ${sentenceOf(one)}</span></div>`,
       ),
       notes.length
         ? content(html`<div class="says note"><div>${notes.map((words) => html`<div>${words}</div>`)}</div></div>`)

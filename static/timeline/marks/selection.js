@@ -61,7 +61,12 @@ export const selection = {
     const { frames, to, copy, taken, refused } = what;
     const middle = rows.keys.middle;
     const marks = (list, r) => list.map((at) => diamond(x(at), middle, r)).join('');
-    return svg`${drawBand(rows, to)}${drawGrips(rows, to)}${copy ? nothing : svg`<path class="home" d=${marks(frames, 4.5)} />`}
+    return svg`${drawBand(rows, to)}${drawGrips(rows, to)}${
+      copy
+        ? nothing
+        : svg`<path class="home"
+      d=${marks(frames, 4.5)} />`
+    }
       <path class=${`moving chosen${taken ? ' taken' : ''}${refused ? ' shake' : ''}`} d=${marks(to, 7)} />
       ${plate(taken || wordsOf(what), clamp(x(to[frames.indexOf(what.held)]), GUTTER, Infinity), middle + 22)}`;
   },
@@ -128,14 +133,16 @@ function drawBand({ keys }, frames) {
   const at = edges(frames);
   return (
     at &&
-    svg`<rect class="selband" x=${at.first} y=${keys.y + 1.5} width=${at.last - at.first} height=${keys.h - 4} rx="4" />`
+    svg`<rect class="selband" x=${at.first} y=${keys.y + 1.5} width=${at.last - at.first} height=${keys.h - 4} rx="4"
+      />`
   );
 }
 
 function drawGrips({ keys: { y, h } }, frames) {
   const at = edges(frames);
   const grip = (px) =>
-    svg`<rect class="selgrip" x=${px - GRIP.wide / 2} y=${y + (h - GRIP.high) / 2} width=${GRIP.wide} height=${GRIP.high} rx="2" />`;
+    svg`<rect class="selgrip" x=${px - GRIP.wide / 2} y=${y + (h - GRIP.high) / 2} width=${GRIP.wide}
+      height=${GRIP.high} rx="2" />`;
   return at && [grip(at.first), grip(at.last)];
 }
 

@@ -77,8 +77,11 @@ function draw({ bottom }) {
       : nothing;
   return svg`${first === null ? nothing : shade(GUTTER, from - GUTTER)}${last === null ? nothing : shade(to, end - to)}
     <rect class="within" x=${from} y=${RULER - 3} width=${Math.max(0, to - from)} height="3" />
-    ${isSeen(first) ? bracket(from, -1, `In point ${first}`) : nothing}${isSeen(last) ? bracket(to, 1, `Out point ${last}`) : nothing}`;
+    ${isSeen(first) ? bracket(from, -1, `In point ${first}`) : nothing}${
+      isSeen(last) ? bracket(to, 1, `Out point ${last}`) : nothing
+    }`;
 }
 
 const bracket = (at, side, title) =>
-  svg`<path class="spanend" d=${`M${at} ${TOP}h${side * 6}V${RULER}h${-side * 6}v-3h${side * 3}V${TOP + 3}h${-side * 3}z`}><title>${title}</title></path>`;
+  svg`<path class="spanend"
+    d=${`M${at} ${TOP}h${side * 6}V${RULER}h${-side * 6}v-3h${side * 3}V${TOP + 3}h${-side * 3}z`}><title>${title}</title></path>`;
