@@ -91,13 +91,13 @@ def camera_json(recording: Recording) -> str:
 
 def _frames(recording: Recording) -> list[dict[str, Any]]:
     """Where the camera was at every frame, and its focal length there."""
-    found = []
+    frames = []
     for row, T in enumerate(recording.Ts_world_camera):
         camera = recording.camera_at(row)
         place = (T.round(DECIMALS) + 0.0).tolist()
         focal = {"fx": round(camera.fx, DECIMALS), "fy": round(camera.fy, DECIMALS)}
-        found.append({"frame": recording.frames[row], "T_world_camera": place, **focal})
-    return found
+        frames.append({"frame": recording.frames[row], "T_world_camera": place, **focal})
+    return frames
 
 
 def chan(recording: Recording) -> str:

@@ -84,12 +84,12 @@ def joints_csv(
     ps_seen (N, J, 3): the positions before a camera that moves, in its own frame at every frame.
     """
     names, ps_camera = column_names(skeleton), trajectory.joints(skeleton)
-    seen = ps_camera if ps_seen is None else ps_seen
+    ps = ps_camera if ps_seen is None else ps_seen
     columns = [f"{name}_{axis}_m" for name in names for axis in "xyz"]
     if world is None:
-        return _table(trajectory, times_s, columns, seen)
+        return _table(trajectory, times_s, columns, ps)
     columns += [f"{name}{IN_WORLD}_{axis}_m" for name in names for axis in "xyz"]
-    both = np.concatenate([seen, world.points(ps_camera)], axis=1)
+    both = np.concatenate([ps, world.points(ps_camera)], axis=1)
     return _table(trajectory, times_s, columns, both)
 
 
@@ -109,7 +109,10 @@ def angles_csv(
     zyx = known_smooth_euler(Rs).reshape(len(Rs), -1)
     angles = np.rad2deg(np.hstack([zyx, level]))
     return _table(
-        trajectory, times_s, columns, np.hstack([angles, *(_with_errors(one) for one in clinical)])
+        trajectory,
+        times_s,
+        columns,
+        np.hstack([angles, *(_with_errors(joint) for joint in clinical)]),
     )
 
 
@@ -131,7 +134,7 @@ def _with_errors(angles: JointAngles) -> Array:
 def frames_csv(recording: Recording) -> str:
     """The table of frames."""
     parts, diagnostics = recording.skeleton.body.names, recording.tracks.diagnostics
-    evidence = [f"{part}_{what}" for what in ("observability", "residual") for part in parts]
+    evidence = [f"{part}_{figure}" for figure in ("observability", "residual") for part in parts]
     steps = np.concatenate([diagnostics.observability, diagnostics.residual], axis=1)
     steps = np.concatenate([steps, np.full((1, 2 * len(parts)), np.nan)])
     ranks = np.append(diagnostics.rank, -1)

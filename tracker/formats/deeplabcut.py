@@ -71,8 +71,8 @@ def read_table(file: str, rows: list[list[str]], individual: str | None) -> Peop
     return _people(file, Table(columns, index, values), individual)
 
 
-def _require_head(file: str, given: list[str]) -> None:
-    missing = [name for name in HEAD if name not in given and name != "individuals"]
+def _require_head(file: str, head: list[str]) -> None:
+    missing = [name for name in HEAD if name not in head and name != "individuals"]
     if missing:
         raise FormatError(f"{file} has no row {missing[0]!r} in its head, as DeepLabCut writes it.")
 
@@ -105,7 +105,7 @@ def _table_layout(group: Group) -> Table:
         raise FormatError(f"{file} holds columns of several kinds: use DeepLabCut's CSV.")
     names = group.dataset_literal("table", "values_block_0_kind")
     values = np.asarray(rows["values_block_0"], dtype=np.float64).reshape(len(rows), -1)
-    return Table(_columns(file, names), [_word(one) for one in rows["index"].tolist()], values)
+    return Table(_columns(file, names), [_word(label) for label in rows["index"].tolist()], values)
 
 
 def _fixed_layout(group: Group) -> Table:
@@ -117,7 +117,7 @@ def _fixed_layout(group: Group) -> Table:
     if values.ndim == 2 and values.shape[0] == len(names) != values.shape[1]:
         values = values.T
     index = _levels(group, "axis1")[-1]
-    return Table(_columns(file, names), [_word(one) for one in index], values)
+    return Table(_columns(file, names), [_word(label) for label in index], values)
 
 
 def _levels(group: Group, name: str) -> list[list[object]]:
@@ -131,8 +131,8 @@ def _levels(group: Group, name: str) -> list[list[object]]:
     for i in range(count):
         words = group.values(f"{name}_level{i}").ravel()
         codes = group.values(f"{name}_label{i}").ravel()
-        known = codes.dtype.kind in "iu" and ((codes >= 0) & (codes < len(words))).all()
-        if not known:
+        has_words = codes.dtype.kind in "iu" and ((codes >= 0) & (codes < len(words))).all()
+        if not has_words:
             raise FormatError(f"{group.file} does not name its columns or rows: use its CSV.")
         out.append(words[codes].tolist())
     return out
@@ -147,15 +147,15 @@ def _word(value: object) -> str:
 
 def _columns(file: str, names: object) -> list[TableColumn]:
     """Columns by their levels, scorer, individuals where there are any, bodyparts, coords."""
-    found = []
+    columns = []
     for levels in names if isinstance(names, list) else []:
         words = [_word(level) for level in levels] if isinstance(levels, tuple) else []
         if len(words) not in (3, 4):
             raise FormatError(f"{file} has a column that no scorer, bodypart and coord name.")
-        found.append(
+        columns.append(
             TableColumn(words[0], words[1] if len(words) == 4 else "", words[-2], words[-1])
         )
-    return found
+    return columns
 
 
 def _people(file: str, table: Table, individual: str | None) -> People:
@@ -165,7 +165,7 @@ def _people(file: str, table: Table, individual: str | None) -> People:
     if len(scorers) > 1:
         raise FormatError(f"{file} has keypoints of several scorers, {listed(scorers[:6])}.")
     individuals = list(dict.fromkeys(column.individual for column in columns))
-    animals = [one for one in individuals if one != SINGLE] or individuals
+    animals = [animal for animal in individuals if animal != SINGLE] or individuals
     chosen = chosen_individual(file, animals if individual != SINGLE else individuals, individual)
     mine = {(c.bodypart, c.coord): i for i, c in enumerate(columns) if c.individual == chosen}
     names = tuple(dict.fromkeys(bodypart for bodypart, _ in mine))
@@ -197,23 +197,25 @@ def _require_table(file: str, table: Table) -> None:
         raise FormatError(
             f"{file} has coordinates in space: export the keypoints of one camera, in its picture."
         )
-    other = sorted({column.coord for column in columns} - set(COORDS))
-    if other:
-        raise FormatError(f"{file} has the coord {other[0]!r}; x, y and likelihood are expected.")
+    unexpected = sorted({column.coord for column in columns} - set(COORDS))
+    if unexpected:
+        raise FormatError(
+            f"{file} has the coord {unexpected[0]!r}; x, y and likelihood are expected."
+        )
 
 
 def _by_frame(
     file: str, index: Sequence[str], rows: list[list[float]]
 ) -> dict[int, list[list[float]]]:
-    found: dict[int, list[list[float]]] = {}
+    row_of_frame: dict[int, list[list[float]]] = {}
     numbers = frame_numbers(index)
     for word, row in zip(index, rows, strict=True):
         if not re.search(r"\d", word) or word.strip().startswith("-"):
             raise FormatError(f"{file} has a row {word[:40]!r} that names no frame.")
         frame = numbers[word]
-        if frame in found:
+        if frame in row_of_frame:
             raise FormatError(
                 f"{file} has frame {frame} twice; it may hold pictures of several videos."
             )
-        found[frame] = [row]
-    return found
+        row_of_frame[frame] = [row]
+    return row_of_frame

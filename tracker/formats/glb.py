@@ -192,13 +192,15 @@ def _animation(
     if recording.seen_from is not None:
         Ts, node = recording.Ts_world_camera, len(rig) + 2
         turns = np.ascontiguousarray(smooth_quaternions_xyzw((Ts * TURN)[:, None, :3, :3])[:, 0])
-        way = np.ascontiguousarray(Ts[:, :3, 3]).astype(np.float32)
-        outputs.append((_of_node(node, "translation"), numbers.add(way, "VEC3", "animation")))
+        positions = np.ascontiguousarray(Ts[:, :3, 3]).astype(np.float32)
+        outputs.append((_of_node(node, "translation"), numbers.add(positions, "VEC3", "animation")))
         outputs.append((_of_node(node, "rotation"), numbers.add(turns, "VEC4", "animation")))
     if _zooms(recording):
         angles = [_yfov(recording.camera_at(row)) for row in range(len(recording))]
-        seen = numbers.add(np.array(angles, dtype=np.float32), "SCALAR", "animation")
-        outputs.append(({"path": "pointer", "extensions": {POINTER: {"pointer": YFOV}}}, seen))
+        angle_accessor = numbers.add(np.array(angles, dtype=np.float32), "SCALAR", "animation")
+        outputs.append(
+            ({"path": "pointer", "extensions": {POINTER: {"pointer": YFOV}}}, angle_accessor)
+        )
     return {
         "name": "motion",
         "channels": [{"sampler": k, "target": target} for k, (target, _) in enumerate(outputs)],
@@ -248,22 +250,22 @@ def _camera(camera: Camera) -> dict[str, Any]:
     exact = fields | {"distortion_k1_k2_p1_p2_k3": list(camera.distortion)}
     exact["pixel_centres"] = "at integers"
     if camera.telephoto_distance_m is None:
-        seen: dict[str, float] = {
+        projection: dict[str, float] = {
             "yfov": _yfov(camera),
             "aspectRatio": camera.width * camera.fy / (camera.height * camera.fx),
             "znear": NEAR_M,
             "zfar": FAR_M,
         }
-        return {"name": "camera", "type": "perspective", "perspective": seen, "extras": exact}
+        return {"name": "camera", "type": "perspective", "perspective": projection, "extras": exact}
     scale = camera.telephoto_distance_m
     exact["telephoto_distance_m"] = scale
-    seen = {
+    projection = {
         "xmag": camera.width / 2 / camera.fx * scale,
         "ymag": camera.height / 2 / camera.fy * scale,
         "znear": NEAR_M,
         "zfar": FAR_M,
     }
-    return {"name": "camera", "type": "orthographic", "orthographic": seen, "extras": exact}
+    return {"name": "camera", "type": "orthographic", "orthographic": projection, "extras": exact}
 
 
 def _yfov(camera: Camera) -> float:

@@ -55,14 +55,14 @@ class Group:
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """A dataset of real numbers."""
-        found = self.values(name)
-        if found.dtype.kind not in "fiub":
+        values = self.values(name)
+        if values.dtype.kind not in "fiub":
             raise FormatError(f"{self.file}: its {name} are not numbers.")
-        return found.astype(np.float64)
+        return values.astype(np.float64)
 
     def texts(self, name: str) -> list[str]:
         """A dataset of text."""
-        return [_text(one) for one in self.values(name).ravel().tolist()]
+        return [_text(value) for value in self.values(name).ravel().tolist()]
 
     def dataset_text(self, name: str, attribute: str) -> str:
         """An attribute of a dataset as text, empty where it is none."""

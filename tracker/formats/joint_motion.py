@@ -126,9 +126,9 @@ class JointMotion:
         names, ps = list(self.names), [self.ps_world_joint]
         for first, second in MARKER_PAIRS:
             for i, name in enumerate(self.names):
-                other = f"{name.removesuffix(first)}{second}"
-                if name.rpartition(":")[2] == first and other in self.names:
-                    pair = [i, self.names.index(other)]
+                partner = f"{name.removesuffix(first)}{second}"
+                if name.rpartition(":")[2] == first and partner in self.names:
+                    pair = [i, self.names.index(partner)]
                     names.append(f"{name}+{second}")
                     ps.append(self.ps_world_joint[:, pair].mean(axis=1, keepdims=True))
         return replace(self, names=tuple(names), ps_world_joint=np.concatenate(ps, axis=1))
@@ -181,7 +181,7 @@ class JointMotion:
 def require_size(file: str, frames: int, joints: int) -> None:
     """FormatError unless a motion may have so many frames and joints; checked before allocating."""
     if frames < 1 or joints < 1:
-        what = "frame" if frames < 1 else "joint"
-        raise FormatError(f"{file} holds no {what}.")
+        missing = "frame" if frames < 1 else "joint"
+        raise FormatError(f"{file} holds no {missing}.")
     if frames > MOST_FRAMES or joints > MOST_JOINTS or frames * joints * 3 > MOST_NUMBERS:
         raise FormatError(f"{file} has {frames} frames of {joints} joints, which is too much.")

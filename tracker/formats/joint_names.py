@@ -83,24 +83,29 @@ class Matched:
 
 
 def matched(
-    skeleton: Skeleton, names: Sequence[str], file: str, given: Mapping[str, str] | None = None
+    skeleton: Skeleton,
+    names: Sequence[str],
+    file: str,
+    ours_of_theirs: Mapping[str, str] | None = None,
 ) -> Matched:
-    """Match a file's names with places; `given` names ours by theirs, and then alone counts.
+    """Match a file's names with places; a place that several names claim goes to the first of them.
 
-    A place that several names claim goes to the first of them.
+    ours_of_theirs: our names by the file's; where it is given, nothing else counts.
     """
-    if given is not None:
-        return _match_given(skeleton, names, file, given)
+    if ours_of_theirs is not None:
+        return _match_given(skeleton, names, file, ours_of_theirs)
     words = [_words(name) for name in names]
     bare = _without_common(words)
     spellings = [words] if bare == words else [words, bare]
     conventions = (_own_names(skeleton), *_rigs(skeleton.body), *_conventions(skeleton.body))
-    found = [_match(convention, names, spelt) for convention in conventions for spelt in spellings]
-    return max(found, key=lambda m: m.count)  # the first of those alike
+    candidates = [
+        _match(convention, names, spelt) for convention in conventions for spelt in spellings
+    ]
+    return max(candidates, key=lambda m: m.count)  # the first of those alike
 
 
 def match_also(
-    skeleton: Skeleton, known: Matched, names: Sequence[str], file: str, also: Mapping[str, str]
+    skeleton: Skeleton, automatic: Matched, names: Sequence[str], file: str, also: Mapping[str, str]
 ) -> Matched:
     """Match names as a person said, by places such as left_shin, left_shin.end or head.nose. These
     count before what was matched, and free a name or place they take.
@@ -114,11 +119,11 @@ def match_also(
         )
     asked = {names.index(n): (ours, _given_place(skeleton, ours)) for n, ours in also.items()}
     taken = {place for _, place in asked.values()}
-    kept = (one for one in known.known if one[0] not in asked and one[2] not in taken)
+    kept = (entry for entry in automatic.known if entry[0] not in asked and entry[2] not in taken)
     every = sorted([*kept, *((i, *match) for i, match in asked.items())])
     indices = {index for index, _, _ in every}
     left_out = tuple(name for i, name in enumerate(names) if i not in indices)
-    return Matched(f"{known.convention}, --map", tuple(every), left_out)
+    return Matched(f"{automatic.convention}, --map", tuple(every), left_out)
 
 
 def load_names(path: Path) -> dict[str, str]:
@@ -151,7 +156,7 @@ def _without_common(names: Sequence[Sequence[str]]) -> list[list[str]]:
     for end in (0, -1):
         while True:
             words = Counter(name[end] for name in bare if len(name) > 1)
-            word, count = max(words.items(), key=lambda one: one[1], default=("", 0))
+            word, count = max(words.items(), key=lambda item: item[1], default=("", 0))
             if count < max(COMMON * len(bare), 3) or word in _LETTERS:
                 break
             for name in bare:
@@ -176,18 +181,18 @@ class _Convention:
 
 
 def _match(convention: _Convention, names: Sequence[str], words: Sequence[list[str]]) -> Matched:
-    found: dict[int, tuple[str, BodyPoint]] = {}
-    spellings = [_spellings(one) for one in words]
+    match_of_index: dict[int, tuple[str, BodyPoint]] = {}
+    spellings = [_spellings(name_words) for name_words in words]
     for places in (convention.places, convention.instead):
-        taken = {place for _, place in found.values()}
+        taken = {place for _, place in match_of_index.values()}
         for index, spelt in enumerate(spellings):
-            match = next((places[one] for one in spelt if one in places), None)
+            match = next((places[spelling] for spelling in spelt if spelling in places), None)
             if match is not None and match[1] not in taken:
                 taken.add(match[1])
-                found[index] = match
-    known = tuple((index, *found[index]) for index in sorted(found))
-    left_out = tuple(name for index, name in enumerate(names) if index not in found)
-    return Matched(convention.title, known, left_out)
+                match_of_index[index] = match
+    matches = tuple((index, *match_of_index[index]) for index in sorted(match_of_index))
+    left_out = tuple(name for index, name in enumerate(names) if index not in match_of_index)
+    return Matched(convention.title, matches, left_out)
 
 
 def _spellings(words: Sequence[str]) -> tuple[str, ...]:
@@ -226,7 +231,7 @@ def _conventions(body: Body) -> list[_Convention]:
 
 def _both_sides(body: Body, joints: Mapping[str, str]) -> dict[str, tuple[str, BodyPoint]]:
     """List by spelling the places that the body has; `l` and `r` may be glued to a name as well."""
-    found: dict[str, tuple[str, BodyPoint]] = {}
+    place_of_spelling: dict[str, tuple[str, BodyPoint]] = {}
     for name, where in joints.items():
         for side in SIDES if "{}" in name else ("",):
             ours = where.replace("{side}", side)
@@ -234,8 +239,8 @@ def _both_sides(body: Body, joints: Mapping[str, str]) -> dict[str, tuple[str, B
             if place is None:
                 continue
             for spelt in (f"{side} {name.replace('{}', '')}", name.replace("{}", side[:1])):
-                found.setdefault(spelt.strip(), (ours, place))
-    return found
+                place_of_spelling.setdefault(spelt.strip(), (ours, place))
+    return place_of_spelling
 
 
 def _rigs(body: Body) -> list[_Convention]:
@@ -269,14 +274,20 @@ def _bone(body: Body, row: Row) -> tuple[str, BodyPoint] | None:
 
 
 def _match_given(
-    skeleton: Skeleton, names: Sequence[str], file: str, given: Mapping[str, str]
+    skeleton: Skeleton, names: Sequence[str], file: str, ours_of_theirs: Mapping[str, str]
 ) -> Matched:
-    missing = sorted(set(given) - set(names))
+    missing = sorted(set(ours_of_theirs) - set(names))
     if missing:
         raise FormatError(f"{file} has no joint {missing[0]!r}, which the list of names speaks of.")
-    places = dict(zip(given, places_of(skeleton, list(given.values()), "The list"), strict=True))
-    known = tuple((i, given[n], places[n]) for i, n in enumerate(names) if n in places)
-    return Matched("given", known, tuple(name for name in names if name not in places))
+    places = dict(
+        zip(
+            ours_of_theirs,
+            places_of(skeleton, list(ours_of_theirs.values()), "The list"),
+            strict=True,
+        )
+    )
+    matches = tuple((i, ours_of_theirs[n], places[n]) for i, n in enumerate(names) if n in places)
+    return Matched("given", matches, tuple(name for name in names if name not in places))
 
 
 def _own_names(skeleton: Skeleton) -> _Convention:
@@ -299,13 +310,13 @@ def _own_names(skeleton: Skeleton) -> _Convention:
 
 def _given_place(skeleton: Skeleton, ours: str) -> BodyPoint:
     """A part's joint, its end, or a landmark; FormatError lists the parts where it is none."""
-    part, _, what = ours.partition(".")
+    part, _, point = ours.partition(".")
     body = skeleton.body
-    if part in body.names and what == END:
+    if part in body.names and point == END:
         return ((body.index(part), _end(skeleton, body.index(part))),)
-    if part in body.names and what in body.parts[body.index(part)].landmarks:
-        return ((body.index(part), body.parts[body.index(part)].landmarks[what]),)
-    place = None if what else _place(body, part)
+    if part in body.names and point in body.parts[body.index(part)].landmarks:
+        return ((body.index(part), body.parts[body.index(part)].landmarks[point]),)
+    place = None if point else _place(body, part)
     if place is None:
         raise FormatError(
             f"The body has no place {ours!r}: say PART, PART.end or a landmark; its parts are "
@@ -340,8 +351,8 @@ def _point(body: Body, name: str) -> tuple[int, Point] | None:
     for i, part in enumerate(body.parts):
         if name in part.landmarks:
             return i, part.landmarks[name]
-    side, _, what = name.partition("_")
-    if what == "ball":
+    side, _, kind = name.partition("_")
+    if kind == "ball":
         return _weighted(body, {one.replace("{side}", side): w for one, w in _BALL.items()})
     if "head" in body.names:
         i = body.index("head")

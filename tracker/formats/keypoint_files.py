@@ -66,7 +66,7 @@ def read_people(path: Path, individual: str | None = None) -> People:
     if isinstance(data, dict) and ("people" in data or path.name.endswith("_keypoints.json")):
         people = _folder({path.name: data})
     elif _is_list_of_openpose(data):
-        people = _folder({str(one.get("file_name", n)): one for n, one in enumerate(data)})
+        people = _folder({str(entry.get("file_name", n)): entry for n, entry in enumerate(data)})
     elif _is_mmpose(data):
         people = _mmpose(path.name, data)
     else:
@@ -159,14 +159,14 @@ def _openpose(folder: Path) -> People:
 
 def _is_list_of_openpose(data: Any) -> bool:
     return isinstance(data, list) and any(
-        isinstance(one, dict) and {"people", "file_name"} <= one.keys() for one in data
+        isinstance(entry, dict) and {"people", "file_name"} <= entry.keys() for entry in data
     )
 
 
 def _folder(contents: Mapping[str, Any]) -> People:
     """The people of files by their names."""
     numbers = frame_numbers(list(contents))
-    is_mmpose = all(isinstance(one, list) for one in contents.values())
+    is_mmpose = all(isinstance(content, list) for content in contents.values())
     of_file = _instances if is_mmpose else _openpose_people
     frames: dict[int, list[Any]] = {}
     for name, data in contents.items():
@@ -177,9 +177,9 @@ def _folder(contents: Mapping[str, Any]) -> People:
 def _openpose_people(file: str, data: Any) -> list[Any]:
     """The numbers of each person in an OpenPose file."""
     people = data.get("people") if isinstance(data, dict) else None
-    if not isinstance(people, list) or not all(isinstance(one, dict) for one in people):
+    if not isinstance(people, list) or not all(isinstance(person, dict) for person in people):
         raise FormatError(f"{file} is no OpenPose file: it lists no people.")
-    return [one.get("pose_keypoints_2d") for one in people]
+    return [person.get("pose_keypoints_2d") for person in people]
 
 
 # --- MMPose
@@ -188,29 +188,29 @@ def _openpose_people(file: str, data: Any) -> list[Any]:
 def _is_mmpose(data: Any) -> bool:
     if isinstance(data, dict):
         return "instance_info" in data
-    first = next((one for one in data if one), None) if isinstance(data, list) else None
+    first = next((entry for entry in data if entry), None) if isinstance(data, list) else None
     return isinstance(first, dict) and {"frame_id", "instances"} <= first.keys()
 
 
 def _mmpose(file: str, data: Any) -> People:
     listed, first = (data["instance_info"], 1) if isinstance(data, dict) else (data, 0)
-    if not isinstance(listed, list) or not all(isinstance(one, dict) for one in listed):
+    if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
         raise _unknown(file)
     frames: dict[int, list[Any]] = {}
-    for place, one in enumerate(listed):
-        frame = one.get("frame_id", place + first)
+    for place, entry in enumerate(listed):
+        frame = entry.get("frame_id", place + first)
         if not isinstance(frame, int) or isinstance(frame, bool) or not first <= frame < 1e9:
             raise FormatError(f"{file} has a frame that is numbered {str(frame)[:20]}.")
-        frames.setdefault(frame - first, []).extend(_instances(file, one.get("instances")))
+        frames.setdefault(frame - first, []).extend(_instances(file, entry.get("instances")))
     return People(frames, program="MMPose")
 
 
 def _instances(file: str, data: Any) -> list[Any]:
     """The numbers of each person in MMPose's list of instances."""
     persons = data or []
-    if not isinstance(persons, list) or not all(isinstance(one, dict) for one in persons):
+    if not isinstance(persons, list) or not all(isinstance(person, dict) for person in persons):
         raise _unknown(file)
-    return [_instance(file, one) for one in persons]
+    return [_instance(file, person) for person in persons]
 
 
 def _instance(file: str, person: Mapping[str, Any]) -> list[Any]:
@@ -230,29 +230,33 @@ def _instance(file: str, person: Mapping[str, Any]) -> list[Any]:
 
 
 def _coco(file: str, data: Any) -> People:
-    given = data if isinstance(data, dict) else {"annotations": data}
-    annotations = given.get("annotations")
-    if not isinstance(annotations, list) or not all(isinstance(one, dict) for one in annotations):
+    coco = data if isinstance(data, dict) else {"annotations": data}
+    annotations = coco.get("annotations")
+    if not isinstance(annotations, list) or not all(
+        isinstance(annotation, dict) for annotation in annotations
+    ):
         raise _unknown(file)
-    if any(isinstance(one.get("keypoints"), dict) for one in annotations):
+    if any(isinstance(annotation.get("keypoints"), dict) for annotation in annotations):
         raise _unknown(file)
-    listed = given.get("images")
+    listed = coco.get("images")
     images = {
         str(image.get("id")): image
         for image in (listed if isinstance(listed, list) else [])
         if isinstance(image, dict)
     }
     frames: dict[int, list[Any]] = {}
-    sizes = set(_size(given))
-    of_annotation = [str(one.get("image_id", place)) for place, one in enumerate(annotations)]
+    sizes = set(_size(coco))
+    of_annotation = [
+        str(annotation.get("image_id", place)) for place, annotation in enumerate(annotations)
+    ]
     pictures = [str(images.get(i, {}).get("file_name", "")) or i for i in of_annotation]
     numbers = frame_numbers(pictures)
-    for one, number, picture in zip(annotations, of_annotation, pictures, strict=True):
-        frames.setdefault(numbers[picture], []).append(one.get("keypoints"))
-        if one.get("keypoints"):
+    for annotation, number, picture in zip(annotations, of_annotation, pictures, strict=True):
+        frames.setdefault(numbers[picture], []).append(annotation.get("keypoints"))
+        if annotation.get("keypoints"):
             sizes.update(_size(images.get(number, {})))
-    names = _category_names(given.get("categories"))
-    return People(frames, names, sizes=frozenset(sizes), fps=_fps(given), program="COCO")
+    names = _category_names(coco.get("categories"))
+    return People(frames, names, sizes=frozenset(sizes), fps=_fps(coco), program="COCO")
 
 
 def _category_names(categories: Any) -> tuple[str, ...] | None:
@@ -271,10 +275,10 @@ def _has_landmarks(data: Any) -> bool:
     """Whether these are landmarks rather than annotations."""
     if isinstance(data, dict):
         return "annotations" not in data and any(key in data for key in ("frames", *_LANDMARKS))
-    first = next((one for one in data if one), None) if isinstance(data, list) else None
+    first = next((entry for entry in data if entry), None) if isinstance(data, list) else None
     if isinstance(first, dict):
         return not {"keypoints", "image_id"} & first.keys() and (
-            any(key in one for one in data if isinstance(one, dict) for key in _LANDMARKS)
+            any(key in entry for entry in data if isinstance(entry, dict) for key in _LANDMARKS)
         )
     return isinstance(first, list)
 
@@ -285,8 +289,8 @@ def _mediapipe(file: str, data: Any) -> People:
     if not isinstance(listed, list):
         raise FormatError(f"{file} holds no list of frames.")
     frames: dict[int, list[Any]] = {}
-    for place, one in enumerate(listed):
-        frames.setdefault(_frame(file, one, place), []).extend(_landmark_people(file, one))
+    for place, entry in enumerate(listed):
+        frames.setdefault(_frame(file, entry, place), []).extend(_landmark_people(file, entry))
     return People(
         frames,
         layout="MEDIAPIPE_33",
@@ -298,8 +302,8 @@ def _mediapipe(file: str, data: Any) -> People:
 
 def _frame(file: str, frame: Any, place: int) -> int:
     """The number a frame gives itself, or else its place in the list."""
-    given = [frame[key] for key in _FRAME if key in frame] if isinstance(frame, dict) else []
-    number = given[0] if given else place
+    numbers = [frame[key] for key in _FRAME if key in frame] if isinstance(frame, dict) else []
+    number = numbers[0] if numbers else place
     if not isinstance(number, int) or isinstance(number, bool) or number < 0:
         raise FormatError(f"{file} has a frame that is numbered {number!r}.")
     return number
@@ -318,8 +322,8 @@ def _landmark_people(file: str, value: Any, deep: int = 0) -> list[Any]:
     if not isinstance(value, list) or deep > 1:
         raise FormatError(f"{file} has landmarks that are not a list for each person.")
     if _is_landmark(value[0]):
-        return [[number for one in value for number in _u_v_visibility(file, one)]]
-    return [person for one in value for person in _landmark_people(file, one, deep + 1)]
+        return [[number for landmark in value for number in _u_v_visibility(file, landmark)]]
+    return [person for nested in value for person in _landmark_people(file, nested, deep + 1)]
 
 
 def _is_landmark(value: Any) -> bool:
@@ -341,12 +345,19 @@ def _u_v_visibility(file: str, landmark: Any) -> tuple[Any, Any, Any]:
 
 def _size(about: Mapping[str, Any]) -> list[tuple[float, float]]:
     """Width and height where both are given, beside or under what describes the video."""
-    found: list[tuple[Any, Any]] = [(a.get("width"), a.get("height")) for a in _descriptions(about)]
-    return [(w, h) for w, h in found if _is_positive(w) and _is_positive(h)]
+    sizes: list[tuple[Any, Any]] = [(a.get("width"), a.get("height")) for a in _descriptions(about)]
+    return [(w, h) for w, h in sizes if _is_positive(w) and _is_positive(h)]
 
 
 def _fps(about: Mapping[str, Any]) -> float | None:
-    return next((one["fps"] for one in _descriptions(about) if _is_positive(one.get("fps"))), None)
+    return next(
+        (
+            description["fps"]
+            for description in _descriptions(about)
+            if _is_positive(description.get("fps"))
+        ),
+        None,
+    )
 
 
 def _descriptions(about: Mapping[str, Any]) -> list[Mapping[str, Any]]:

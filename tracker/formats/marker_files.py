@@ -76,7 +76,7 @@ def c3d(recording: Recording) -> bytes:
 
 def _add_events(file: Any, recording: Recording) -> None:
     """EVENT, as programs for gait read it: what, of which side, and when, from frame 1 on."""
-    found = [
+    events = [
         (frame, label, icon, _side(stance.part))
         for stance in recording.gait.stances
         for frame, label, icon in (
@@ -85,20 +85,20 @@ def _add_events(file: Any, recording: Recording) -> None:
         )
         if frame is not None
     ]
-    if not found:
+    if not events:
         return
-    found.sort()
-    frames, labels, icons, sides = (list(column) for column in zip(*found, strict=True))
+    events.sort()
+    frames, labels, icons, sides = (list(column) for column in zip(*events, strict=True))
     seconds = np.array(frames) / recording.frames_per_second
     for name, values in (
-        ("USED", [len(found)]),
+        ("USED", [len(events)]),
         ("CONTEXTS", sides),
         ("LABELS", labels),
         ("ICON_IDS", icons),
-        ("DESCRIPTIONS", [""] * len(found)),
-        ("SUBJECTS", [""] * len(found)),
+        ("DESCRIPTIONS", [""] * len(events)),
+        ("SUBJECTS", [""] * len(events)),
         ("TIMES", np.stack([seconds // 60, seconds % 60])),
-        ("GENERIC_FLAGS", [0] * len(found)),
+        ("GENERIC_FLAGS", [0] * len(events)),
     ):
         file.add_parameter("EVENT", name, values)
 

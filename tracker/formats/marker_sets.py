@@ -141,7 +141,7 @@ def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
         return names, recording.world.points(recording.ps_camera_joint)
     body = recording.skeleton.body
     markers = markers_of(body, recording.marker_set)
-    points = tuple(((body.index(one.part), one.p_part),) for one in markers)
+    points = tuple(((body.index(each.part), each.p_part),) for each in markers)
     places = BodyPoints(recording.skeleton, points)
     ps_camera = places.at(recording.trajectory.transforms(recording.skeleton))
     return tuple(marker.name for marker in markers), recording.world.points(ps_camera)
@@ -159,10 +159,10 @@ def _own_markers(body: Body) -> tuple[Marker, ...]:
 
 def _halpe_place(body: Body, keypoint: str) -> tuple[str, Point] | None:
     """The part and the point in its frame; None where the body has not what it takes."""
-    found = points_on_body(body, (keypoint,))
-    if len(found.indices):
-        x, y, z = found.point[0].tolist()
-        return body.names[int(found.part[0])], (x, y, z)
+    points = points_on_body(body, (keypoint,))
+    if len(points.indices):
+        x, y, z = points.point[0].tolist()
+        return body.names[int(points.part[0])], (x, y, z)
     side, _, joint = keypoint.partition("_")
     foot = f"{side}_foot"
     if joint in ("big_toe", "small_toe", "heel") and foot in body.names:

@@ -70,9 +70,9 @@ def person_numbers(file: str, uv: Array, confidence: Array) -> list[list[float]]
         raise FormatError(f"{file} has {len(uv)} frames of {uv.shape[1]} keypoints: too many.")
     if np.isinf(uv).any() or np.isinf(confidence).any():
         raise FormatError(f"{file} has a keypoint that is not a finite number.")
-    found = np.asarray(np.isfinite(uv).all(-1))
-    sure = np.where(found, np.where(np.isnan(confidence), 1.0, confidence), 0.0)
-    place = np.where(found[..., None], uv, 0.0)
+    is_detected = np.asarray(np.isfinite(uv).all(-1))
+    sure = np.where(is_detected, np.where(np.isnan(confidence), 1.0, confidence), 0.0)
+    place = np.where(is_detected[..., None], uv, 0.0)
     rows = np.concatenate([place, sure[..., None]], axis=-1).reshape(len(uv), -1)
     return [[float(x) for x in row] for row in rows]
 

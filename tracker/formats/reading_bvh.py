@@ -131,11 +131,11 @@ class _Names:
 
     def unused(self, name: str) -> str:
         tried = self._tried.get(name, 0)
-        while (found := name + tried * "_") in self._taken:
+        while (candidate := name + tried * "_") in self._taken:
             tried += 1
         self._tried[name] = tried
-        self._taken.add(found)
-        return found
+        self._taken.add(candidate)
+        return candidate
 
 
 def _require_few(file: str, joints: list[_Joint]) -> None:
@@ -171,23 +171,24 @@ def _values(file: str, rows: str, columns: int, said: str) -> Array:
     """
     if not columns:
         return np.empty((1, 0))
-    values, found, other = np.empty(min(len(rows) // 2 + 1, MOST_NUMBERS)), 0, [0]
+    values, count_read, row_lengths = np.empty(min(len(rows) // 2 + 1, MOST_NUMBERS)), 0, [0]
     try:
         for line in io.StringIO(rows):
-            words = line.split(maxsplit=len(values) - found)  # no more of them than there is room
-            if found + len(words) > len(values):
+            # no more of them than there is room
+            words = line.split(maxsplit=len(values) - count_read)
+            if count_read + len(words) > len(values):
                 raise FormatError(f"{file} holds more than {MOST_NUMBERS} numbers, too many.")
-            values[found : found + len(words)] = [float(word) for word in words]
-            found += len(words)
+            values[count_read : count_read + len(words)] = [float(word) for word in words]
+            count_read += len(words)
             if len(words) not in (0, columns):
-                other.append(len(words))
+                row_lengths.append(len(words))
     except ValueError:
         raise FormatError(f"{file} has something else than numbers in its rows.") from None
-    count, cut = divmod(found, columns)
+    count, cut = divmod(count_read, columns)
     is_as_said = not cut and said == str(count)
-    if not count or not (is_as_said or sum(other) == cut):
+    if not count or not (is_as_said or sum(row_lengths) == cut):
         raise FormatError(
-            f"{file} should hold rows of {columns} numbers and holds one of {other[-1]}."
+            f"{file} should hold rows of {columns} numbers and holds one of {row_lengths[-1]}."
         )
     values = values[: count * columns]
     if not np.isfinite(values).all():

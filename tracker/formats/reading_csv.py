@@ -94,18 +94,20 @@ def rows_of(file: str, text: str) -> list[list[str]]:
 
 def _columns(file: str, heads: list[str]) -> tuple[dict[str, list[int]], Unit | None]:
     """The columns of x, y, z by joint, and the unit that they name, if they do."""
-    found: dict[str, dict[str, int]] = {}
+    axes_of_joint: dict[str, dict[str, int]] = {}
     units: set[str | None] = set()
     for i, head in enumerate(heads):
         match = _COLUMN.fullmatch(head)
         if match is None:
             continue
-        axes = found.setdefault(match["name"], {})
+        axes = axes_of_joint.setdefault(match["name"], {})
         if match["axis"].lower() in axes:
             raise FormatError(f"{file} has the column {head!r} twice.")
         axes[match["axis"].lower()] = i
         units.add(match["unit"])
-    columns = {name: [axes[a] for a in "xyz"] for name, axes in found.items() if len(axes) == 3}
+    columns = {
+        name: [axes[a] for a in "xyz"] for name, axes in axes_of_joint.items() if len(axes) == 3
+    }
     if not columns:
         raise FormatError(f"{file} has no joint with the columns NAME_x, NAME_y and NAME_z.")
     if len(units) > 1:

@@ -109,20 +109,20 @@ def _surest_person_by_frame(file: str, people: People) -> dict[int, Array]:
 
     A person may have none at all, such as one that is only a box, and is passed over.
     """
-    found: dict[int, Array] = {}
+    table_of_frame: dict[int, Array] = {}
     for frame, persons in people.frames.items():
         tables = [_table(file, numbers) for numbers in persons if numbers not in (None, [])]
         best = max(tables, key=lambda table: float(_confidence(table).sum()), default=None)
         for table in tables:
             _require_count(file, len(table), people)
         if best is not None and (best[:, 2] > 0).any():
-            found[frame] = best
-    counts = sorted({len(table) for table in found.values()})
+            table_of_frame[frame] = best
+    counts = sorted({len(table) for table in table_of_frame.values()})
     if not counts:
         raise FormatError(f"{file} holds no keypoint of anybody.")
     if len(counts) > 1:
         raise FormatError(f"{file} has people of {counts[0]} and of {counts[1]} keypoints.")
-    return found
+    return table_of_frame
 
 
 def _table(file: str, numbers: Any) -> Array:
@@ -169,8 +169,8 @@ def _require_count(file: str, count: int, people: People) -> None:
                 f"{file} has a person of {count} keypoints and names {len(people.names)}."
             )
         return
-    known = LAYOUTS if people.layout is None else {people.layout: LAYOUTS[people.layout]}
-    counts = sorted({len(names) for names in known.values()})
+    layouts = LAYOUTS if people.layout is None else {people.layout: LAYOUTS[people.layout]}
+    counts = sorted({len(names) for names in layouts.values()})
     if count not in counts:
         expected = listed([str(count) for count in counts])
         raise FormatError(f"{file} has a person of {count} keypoints; known are {expected}.")
@@ -204,8 +204,8 @@ def _named(people: People) -> People:
     return replace(people, names=None) if names and all(n.isdecimal() for n in names) else people
 
 
-def _own_names(file: str, given: tuple[str, ...], layout: str | None) -> tuple[str, ...]:
-    names = tuple(keypoint_name(name) for name in given)
+def _own_names(file: str, file_names: tuple[str, ...], layout: str | None) -> tuple[str, ...]:
+    names = tuple(keypoint_name(name) for name in file_names)
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise FormatError(f"{file} names the keypoint {twice[0]} twice.")

@@ -41,7 +41,7 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
         screen = point["Y_SCREEN"]["value"] if "Y_SCREEN" in point else [""]
         world: World = "y up" if str(screen[0]).strip().upper() == "+Y" else "z up"
         first = int(held["header"]["points"]["first_frame"])
-        seen = held["data"]["meta_points"]["residuals"][0] >= 0
+        is_measured = held["data"]["meta_points"]["residuals"][0] >= 0
     except (KeyError, IndexError, TypeError, ValueError):
         raise FormatError(f"{file} lacks the markers' labels, rate or unit.") from None
     if unit is None or not 1e-4 < rate < 1e6:
@@ -50,7 +50,7 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
     if not first_of:
         raise FormatError(f"{file} has no labels of its points.")
     require_size(file, points.shape[2], len(first_of))
-    positions = np.where(seen[..., None], np.moveaxis(points[:3], 0, -1), np.nan)
+    positions = np.where(is_measured[..., None], np.moveaxis(points[:3], 0, -1), np.nan)
     labelled = sorted(first_of.values())
     names, positions = [names[i] for i in labelled], positions[labelled]
     times_s = (first + np.arange(points.shape[2], dtype=np.float64)) / rate
@@ -117,7 +117,7 @@ def _notes(header: dict[str, str], rows: int, markers: int) -> tuple[Note, ...]:
         ("NumFrames", rows, "row count"),
         ("NumMarkers", markers, "marker count"),
     )
-    said = [(header.get(key, "")[:20], found, oddity) for key, found, oddity in counts]
+    said = [(header.get(key, "")[:20], actual, oddity) for key, actual, oddity in counts]
     return tuple(Note(oddity, (word, n)) for word, n, oddity in said if word and word != str(n))
 
 

@@ -59,15 +59,15 @@ def read_amass(file: str, arrays: Mapping[str, NDArray[Any]]) -> JointMotion:
     return JointMotion.of(file, list(JOINTS), ps, times_s, "z up", unit)
 
 
-def _poses(file: str, given: NDArray[Any]) -> Array:
+def _poses(file: str, array: NDArray[Any]) -> Array:
     """(N, 22, 3) rotation vectors, of the first joints of as many as there are."""
-    count = math.prod(given.shape[1:]) // 3
-    if given.ndim < 2 or count < COUNT:
+    count = math.prod(array.shape[1:]) // 3
+    if array.ndim < 2 or count < COUNT:
         raise FormatError(
             f"{file}: its poses should be three numbers for each of {COUNT} joints or more."
         )
-    require_size(file, len(given), COUNT)
-    rows = given.reshape(len(given), -1)
+    require_size(file, len(array), COUNT)
+    rows = array.reshape(len(array), -1)
     poses = _archive_numbers(
         file, "poses", rows, (len(rows), 3 * count), "three numbers for each joint"
     )
@@ -83,13 +83,13 @@ def _rest(file: str, arrays: Mapping[str, NDArray[Any]]) -> Array:
 
 
 def _archive_numbers(
-    file: str, name: str, values: NDArray[Any], shape: tuple[int, ...], what: str
+    file: str, name: str, values: NDArray[Any], shape: tuple[int, ...], expected: str
 ) -> Array:
     """An array as it should be; one number may be an array of one, too."""
     if values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         raise FormatError(f"{file} has something else than finite numbers in its {name}.")
     if values.size != math.prod(shape) or (shape and values.shape != shape):
-        raise FormatError(f"{file}: its {name} should be {what}.")
+        raise FormatError(f"{file}: its {name} should be {expected}.")
     return values.astype(np.float64).reshape(shape)
 
 
@@ -155,28 +155,28 @@ def _apart(name: str) -> tuple[str, str]:
 
 
 def _params(file: str, arrays: Arrays) -> _Params:
-    found: dict[str, dict[str, NDArray[Any]]] = {}
+    fields_of_person: dict[str, dict[str, NDArray[Any]]] = {}
     for name, values in arrays.items():
         under, own = _apart(name)
-        found.setdefault(under, {})[own] = values
+        fields_of_person.setdefault(under, {})[own] = values
     for under, world in WORLDS.items():
-        given = found.get(under, {})
-        if all(field in given for field in FIELDS):
-            return _Params(world, *(given[field] for field in FIELDS))
-    given = found.get("", {})
-    if all(field in given for field in WHAM):
-        pose = given["pose"]
+        fields = fields_of_person.get(under, {})
+        if all(field in fields for field in FIELDS):
+            return _Params(world, *(fields[field] for field in FIELDS))
+    fields = fields_of_person.get("", {})
+    if all(field in fields for field in WHAM):
+        pose = fields["pose"]
         if pose.ndim != 2 or pose.shape[1] < 3 * (MORE + 1):
             raise FormatError(f"{file}: its pose should be three numbers for each of its joints.")
         return _Params(
-            "camera" if "pose_world" in given else None, pose[:, :3], pose[:, 3:], given["trans"]
+            "camera" if "pose_world" in fields else None, pose[:, :3], pose[:, 3:], fields["trans"]
         )
     raise FormatError(f"{file} has no {', '.join(FIELDS)} of one motion in it.")
 
 
-def _rotations(file: str, name: str, given: NDArray[Any], count: int) -> Array:
+def _rotations(file: str, name: str, array: NDArray[Any], count: int) -> Array:
     """(N, J, 3, 3) from matrices or rotation vectors, however many joints there are."""
-    values = _numbers(file, name, given)
+    values = _numbers(file, name, array)
     if len(values) != count:
         raise FormatError(f"{file} has {len(values)} poses in {name} and {count} in transl.")
     if values.shape[-2:] == (3, 3):
@@ -247,8 +247,8 @@ def _read_own(file: str, arrays: Mapping[str, NDArray[Any]]) -> JointMotion:
         or {ps.dtype.kind, times_s.dtype.kind} - set("fiu")
     ):
         raise FormatError(f"{file}: ps_camera_joint is not a place for each name at each time_s.")
-    given = [str(name) for name in names.tolist()]
-    return JointMotion.of(file, given, ps.astype(float), times_s.astype(float), "camera", "m")
+    joint_names = [str(name) for name in names.tolist()]
+    return JointMotion.of(file, joint_names, ps.astype(float), times_s.astype(float), "camera", "m")
 
 
 def read_torch(file: str, content: bytes) -> JointMotion:

@@ -290,11 +290,11 @@ class Recording:
     def joint_angles_in(self, world: Ground) -> tuple[JointAngles, ...]:
         """The angles of a person's joints with the pelvis' in a world; none of another body."""
         Rs = self.tracks.Rs_parent_part
-        found = joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
+        angles = joint_angles(self.skeleton.body, Rs, world.R_ground_camera)
         errors = self._angle_errors(world)
         if errors is None:
-            return found
-        return tuple(replace(each, errors_deg=np.degrees(errors[each.joint])) for each in found)
+            return angles
+        return tuple(replace(each, errors_deg=np.degrees(errors[each.joint])) for each in angles)
 
     def _angle_errors(self, world: Ground) -> dict[Joint, Array] | None:
         """By how much angles are expected to be off; None where no depth was lifted."""
@@ -408,9 +408,9 @@ class Recording:
 
     def _at(self, frames: Sequence[int]) -> NDArray[np.bool_]:
         near = np.abs(self.film_frames[:, None] - np.array(frames, dtype=float)) <= AT_KEYFRAME
-        found = np.asarray(near.any(axis=1))
-        found.setflags(write=False)
-        return found
+        is_near = np.asarray(near.any(axis=1))
+        is_near.setflags(write=False)
+        return is_near
 
 
 def _unscaled(session: Session) -> tuple[tuple[int, int], ...]:

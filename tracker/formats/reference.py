@@ -100,10 +100,10 @@ def _arrays(path: Path, skeleton: Skeleton) -> Trajectory | JointReference:
         return _poses(path.name, arrays, skeleton)
     if "ps_camera_joint" in arrays:
         return _joints(path.name, arrays, skeleton)
-    found = ", ".join(sorted(arrays)) or "nothing"
+    listed = ", ".join(sorted(arrays)) or "nothing"
     raise FormatError(
         f"{path.name} is not a reference: Rs_parent_part or ps_camera_joint is expected; it holds "
-        f"{found}."
+        f"{listed}."
     )
 
 
@@ -149,8 +149,8 @@ def _numbers(
     )
     if not fits or array.dtype.kind not in "fiu" or not array.size:
         wanted_text = "×".join("N" if n is None else str(n) for n in shape)
-        found = "×".join(str(n) for n in array.shape)
-        raise FormatError(f"{file}: {name} must be {wanted_text} numbers; it is {found}.")
+        actual = "×".join(str(n) for n in array.shape)
+        raise FormatError(f"{file}: {name} must be {wanted_text} numbers; it is {actual}.")
     if 8 * array.size > LARGEST_PACKED_BYTES:  # small integers grow when they become floats
         raise FormatError(f"{file} is too large for a reference.")
     return array.astype(np.float64)

@@ -51,11 +51,11 @@ def known_smooth_euler(rotations: Array) -> Array:
     of the others. Whole turns that z and x gain by passing the pole are taken back where they pass
     it; those of a part that does turn stay."""
     angles = np.full(rotations.shape[:-1], np.nan)
-    known = np.isfinite(rotations).reshape(len(rotations), -1).all(axis=1)
-    smooth = smooth_euler(rotations[known])
+    is_known = np.isfinite(rotations).reshape(len(rotations), -1).all(axis=1)
+    smooth = smooth_euler(rotations[is_known])
     for part in np.ndindex(smooth.shape[1:-1]):
         _take_turns_back(smooth[(slice(None), *part)])
-    angles[known] = smooth
+    angles[is_known] = smooth
     return angles
 
 
@@ -75,8 +75,8 @@ def _take_turns_back(angles: Array) -> None:
 def _nearest(before: Array, now: Array) -> Array:
     """The triple (..., 3) equivalent to `now` that is nearest to `before`."""
     z, y, x = np.moveaxis(now, -1, 0)
-    other = np.stack([z + np.pi, np.pi - y, x + np.pi], axis=-1)
-    both = np.stack([_nearest_turns(before, now), _nearest_turns(before, other)])
+    equivalent = np.stack([z + np.pi, np.pi - y, x + np.pi], axis=-1)
+    both = np.stack([_nearest_turns(before, now), _nearest_turns(before, equivalent)])
     distance = np.square(both - before).sum(axis=-1)
     nearer = np.where((distance[1] < distance[0])[..., None], both[1], both[0])
     locked = np.abs(np.cos(y)) < LOCKED

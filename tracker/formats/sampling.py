@@ -107,8 +107,8 @@ def moved_at_keyframes(recording: Recording, before: Recording) -> tuple[float, 
     if not at.any():
         return 0.0, 0.0
     joints = recording.ps_camera_joint[at] - even.ps_camera_joint[at]
-    Rs, given = recording.tracks.Rs_parent_part[at], even.tracks.Rs_parent_part[at]
-    turns = log_rotation(transpose(given) @ Rs)
+    Rs, Rs_before = recording.tracks.Rs_parent_part[at], even.tracks.Rs_parent_part[at]
+    turns = log_rotation(transpose(Rs_before) @ Rs)
     return (
         float(np.linalg.norm(joints, axis=-1).max()),
         float(np.linalg.norm(turns, axis=-1).max()),

@@ -42,8 +42,8 @@ def read_analysis(root: Group, individual: str | None) -> People:
             f"{file}: its tracks are {count} × {axes} × {nodes} × {frames}; 2 coordinates of "
             f"{len(names)} nodes are expected."
         )
-    given = root.texts("track_names") if root.has("track_names") else []
-    labels = given if len(given) == count else [f"track_{i}" for i in range(count)]
+    track_names = root.texts("track_names") if root.has("track_names") else []
+    labels = track_names if len(track_names) == count else [f"track_{i}" for i in range(count)]
     i = labels.index(chosen_individual(file, labels, individual))
     uv = tracks[i].transpose(2, 1, 0)
     scores = np.full(uv.shape[:2], np.nan)
@@ -99,10 +99,10 @@ def read_table(file: str, rows: list[list[str]], individual: str | None) -> Peop
         [_column(file, mine, heads.index(f"{name}.{axis}")) for name in names for axis in "xy"], 1
     ).reshape(len(mine), len(names), 2)
     scores = np.stack([_scores(file, mine, heads, f"{name}.score") for name in names], axis=1)
-    found: dict[int, list[Any]] = {}
+    rows_of_frame: dict[int, list[Any]] = {}
     for frame, row in zip(frames, person_numbers(file, uv, scores), strict=True):
-        found.setdefault(frame, []).append(row)
-    return People(found, tuple(names), program="SLEAP")
+        rows_of_frame.setdefault(frame, []).append(row)
+    return People(rows_of_frame, tuple(names), program="SLEAP")
 
 
 def _scores(file: str, rows: list[list[str]], heads: list[str], name: str) -> Array:
@@ -114,7 +114,7 @@ def _column(file: str, rows: list[list[str]], column: int) -> Array:
 
 
 def _frame(file: str, word: str) -> int:
-    found = number(file, word)
-    if not (0 <= found < 1e9 and found == int(found)):
+    value = number(file, word)
+    if not (0 <= value < 1e9 and value == int(value)):
         raise FormatError(f"{file} has a frame that is numbered {word[:40]!r}.")
-    return int(found)
+    return int(value)

@@ -44,9 +44,9 @@ def torch_arrays(content: bytes) -> dict[str, NDArray[Any]]:
         raise
     except Exception as error:  # noqa: BLE001 — whatever foreign bytes bring about
         raise ValueError(f"{type(error).__name__} while reading it") from None
-    found: dict[str, NDArray[Any]] = {}
-    _collect(tree, (), found, set())
-    return found
+    arrays: dict[str, NDArray[Any]] = {}
+    _collect(tree, (), arrays, set())
+    return arrays
 
 
 def _require_honest_memo(content: bytes) -> None:
@@ -57,15 +57,15 @@ def _require_honest_memo(content: bytes) -> None:
 
 
 def _collect(
-    tree: Any, path: tuple[str, ...], found: dict[str, NDArray[Any]], seen: set[int]
+    tree: Any, path: tuple[str, ...], arrays: dict[str, NDArray[Any]], met: set[int]
 ) -> None:
-    """seen: the dicts that were met, each once: one may hold itself under many names."""
+    """met: the dicts that were met, each once: one may hold itself under many names."""
     if isinstance(tree, np.ndarray):
-        found[".".join(path)] = tree
-    elif isinstance(tree, Mapping) and len(path) < DEEPEST and id(tree) not in seen:
-        seen.add(id(tree))
+        arrays[".".join(path)] = tree
+    elif isinstance(tree, Mapping) and len(path) < DEEPEST and id(tree) not in met:
+        met.add(id(tree))
         for key, value in tree.items():
-            _collect(value, (*path, str(key)), found, seen)
+            _collect(value, (*path, str(key)), arrays, met)
 
 
 class _Tensors(pickle.Unpickler):

@@ -215,30 +215,30 @@ def _material(stage: Any, path: str, colour: tuple[int, int, int]) -> Any:
 
 def _put_camera(stage: Any, path: str, whole: Recording) -> None:
     """The camera, which moves and zooms as it did."""
-    camera, seen = whole.camera, UsdGeom.Camera.Define(stage, path)
-    placed = seen.AddTransformOp()
+    camera, usd_camera = whole.camera, UsdGeom.Camera.Define(stage, path)
+    placed = usd_camera.AddTransformOp()
     if whole.seen_from is None:
         placed.Set(Gf.Matrix4d((whole.T_world_camera * _TURN).T.tolist()))
     else:
         for number, T in zip(whole.numbers, whole.Ts_world_camera, strict=True):
             placed.Set(Gf.Matrix4d((T * _TURN).T.tolist()), number)
-    seen.CreateClippingRangeAttr(Gf.Vec2f(NEAR_M, FAR_M))
+    usd_camera.CreateClippingRangeAttr(Gf.Vec2f(NEAR_M, FAR_M))
     distance = camera.telephoto_distance_m
     if distance is None:
         focal = FILM_BACK_M * camera.fx / camera.width
-        seen.CreateProjectionAttr(UsdGeom.Tokens.perspective)
+        usd_camera.CreateProjectionAttr(UsdGeom.Tokens.perspective)
     else:  # what is that wide there is as wide on the film
         focal = distance
-        seen.CreateProjectionAttr(UsdGeom.Tokens.orthographic)
+        usd_camera.CreateProjectionAttr(UsdGeom.Tokens.orthographic)
     x, y = TENTHS * focal / camera.fx, TENTHS * focal / camera.fy  # of a pixel
-    length = seen.CreateFocalLengthAttr(TENTHS * focal)
+    length = usd_camera.CreateFocalLengthAttr(TENTHS * focal)
     if whole.seen_from is not None and whole.seen_from.zooms:
         for number, zoom in zip(whole.numbers, whole.seen_from.zoom, strict=True):
             length.Set(TENTHS * focal * float(zoom), number)
-    seen.CreateHorizontalApertureAttr(camera.width * x)
-    seen.CreateVerticalApertureAttr(camera.height * y)
-    seen.CreateHorizontalApertureOffsetAttr(((camera.width - 1) / 2 - camera.cx) * x)
-    seen.CreateVerticalApertureOffsetAttr((camera.cy - (camera.height - 1) / 2) * y)
+    usd_camera.CreateHorizontalApertureAttr(camera.width * x)
+    usd_camera.CreateVerticalApertureAttr(camera.height * y)
+    usd_camera.CreateHorizontalApertureOffsetAttr(((camera.width - 1) / 2 - camera.cx) * x)
+    usd_camera.CreateVerticalApertureOffsetAttr((camera.cy - (camera.height - 1) / 2) * y)
 
 
 def _matrices(Ts: Array) -> Any:

@@ -32,10 +32,10 @@ def balanced(observed: Observed, camera: Camera, up_camera: Array) -> Observed:
     up_camera: (3,), or (N, 3) of a camera that turns.
     """
     lean_rad, axes = _leans(observed, camera, up_camera)
-    known = lean_rad[np.isfinite(lean_rad)]
-    if len(known) == 0 or len(known) < STANDING * observed.usable.sum():
+    known_lean_rad = lean_rad[np.isfinite(lean_rad)]
+    if len(known_lean_rad) == 0 or len(known_lean_rad) < STANDING * observed.usable.sum():
         return observed
-    by = -float(np.clip(np.median(known), -MOST_RAD, MOST_RAD))
+    by = -float(np.clip(np.median(known_lean_rad), -MOST_RAD, MOST_RAD))
     R = exp_rotation(by * axes)
     return replace(observed, p_hips=np.einsum("nij,nkj->nki", R, observed.p_hips))
 

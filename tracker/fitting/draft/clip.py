@@ -187,30 +187,32 @@ def draft_from_keypoints(
             report=report,
         )
         return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
-    seen = keypoints
+    steadied = keypoints
     if path is not None and path.zooms:
-        seen = keypoints.steadied(SteadyCamera.at_one_focal(camera, path))
-    observed, ideal = Observed.of(seen, camera, changes), camera.without_distortion()
+        steadied = keypoints.steadied(SteadyCamera.at_one_focal(camera, path))
+    observed, ideal = Observed.of(steadied, camera, changes), camera.without_distortion()
     Joints.of(Skeleton.of(body))
     if proportions and observed.usable.any():
         body = with_proportions(body, observed)
     if lifter is not None:
-        observed = Observed.of(lifter.of(seen, body), camera, changes)
+        observed = Observed.of(lifter.of(steadied, body), camera, changes)
 
-    def in_balance(seen: Observed) -> Observed:
+    def in_balance(landmarks: Observed) -> Observed:
         if up_world is None:
-            return seen
+            return landmarks
         up = unit(np.asarray(up_world, dtype=np.float64))
         if path is not None:
-            Ts = path.Ts_camera_world[seen.first_frame : seen.first_frame + len(seen)]
+            Ts = path.Ts_camera_world[
+                landmarks.first_frame : landmarks.first_frame + len(landmarks)
+            ]
             up = Ts[:, :3, :3] @ up
-        return balanced(seen, ideal, up)
+        return balanced(landmarks, ideal, up)
 
-    def lifted(seen: Observed) -> Observed:
+    def lifted(landmarks: Observed) -> Observed:
         if lifter is None:
-            return seen
-        found = replace(lifter, camera=ideal).of(seen.keypoints(), body)
-        return seen.with_depth_of(in_balance(Observed.of(found, ideal)))
+            return landmarks
+        lifted_keypoints = replace(lifter, camera=ideal).of(landmarks.keypoints(), body)
+        return landmarks.with_depth_of(in_balance(Observed.of(lifted_keypoints, ideal)))
 
     observed = in_balance(observed)
     runs = observed.runs()
@@ -256,9 +258,13 @@ class _DraftRun:
         """
         solved = self._solved(observed)
         pixels = height_px(self.skeleton, self.camera, middle(solved.motion))
-        other = consistent_sides(observed, pixels, height(self.skeleton.body))
-        if other is not None:
-            solved = min(solved, self._solved(self.lifted(other)), key=lambda one: one.cost)
+        sides_swapped = consistent_sides(observed, pixels, height(self.skeleton.body))
+        if sides_swapped is not None:
+            solved = min(
+                solved,
+                self._solved(self.lifted(sides_swapped)),
+                key=lambda candidate: candidate.cost,
+            )
         depth = solved.problem.depth
         if not solved.seen.is_lifted:
             solved = self._turned(solved)
@@ -267,7 +273,7 @@ class _DraftRun:
         self.done += int(observed.usable.sum())
         return Piece(solved.seen, motion, depth, flipped)
 
-    def _without_flips(self, found: _Solved) -> tuple[_Solved, tuple[LimbRun, ...]]:
+    def _without_flips(self, draft: _Solved) -> tuple[_Solved, tuple[LimbRun, ...]]:
         """Draft flipped limbs again from the poses before and after, and say which are wrong still.
 
         Where keypoints are right, poses that begin on the way from before to after come to lie on
@@ -279,43 +285,43 @@ class _DraftRun:
         def flipped(solved: _Solved) -> tuple[LimbRun, ...]:
             return flipped_runs(joints, self.camera, solved.believed, solved.motion)
 
-        runs = flipped(found)
+        runs = flipped(draft)
         if not runs:
-            return found, ()
-        found = min(found, self._solved(found.seen, runs), key=lambda one: one.cost)
+            return draft, ()
+        draft = min(draft, self._solved(draft.seen, runs), key=lambda candidate: candidate.cost)
         wrong: list[LimbRun] = []
         for _ in range(ROUNDS):
-            runs = can_be_bridged(joints, found.motion, flipped(found))
+            runs = can_be_bridged(joints, draft.motion, flipped(draft))
             if not runs:
                 break
             wrong += runs
-            found = self._solved(found.seen, wrong, keypoints_of(joints, wrong, len(found.seen)))
+            draft = self._solved(draft.seen, wrong, keypoints_of(joints, wrong, len(draft.seen)))
         if wrong:
-            away = misses(joints, self.camera, found.seen, found.motion)
-            disbelieved = keypoints_of(joints, wrong, len(found.seen))
+            away = misses(joints, self.camera, draft.seen, draft.motion)
+            disbelieved = keypoints_of(joints, wrong, len(draft.seen))
             disbelieved[:, : len(JOINTS)] &= ~(away < AGREES)
-            found = self._solved(found.seen, wrong, disbelieved)
-        return found, flipped(found)
+            draft = self._solved(draft.seen, wrong, disbelieved)
+        return draft, flipped(draft)
 
-    def _turned(self, found: _Solved) -> _Solved:
+    def _turned(self, draft: _Solved) -> _Solved:
         """Turn bones in depth where the whole stretch says so, unless all terms together agree with
         that clearly worse: then limb by limb, so that none holds another back.
         """
         joints = Joints.of(with_free_joints(self.skeleton))
-        p_hips = found.seen.bridged(joints.rest)
-        way = pointing(joints, self.camera, p_hips, found.motion)
+        p_hips = draft.seen.bridged(joints.rest)
+        direction = pointing(joints, self.camera, p_hips, draft.motion)
 
         def with_limbs(limbs: Sequence[int]) -> _Solved | None:
-            observed = turned(joints, found.seen, p_hips, way.of_limbs(limbs))
+            observed = turned(joints, draft.seen, p_hips, direction.of_limbs(limbs))
             again = None if observed is None else self._solved(observed)
-            return again if again is not None and again.cost < WORSE * found.cost else None
+            return again if again is not None and again.cost < WORSE * draft.cost else None
 
-        limbs = way.limbs_against
+        limbs = direction.limbs_against
         if len(limbs) > 1 and (again := with_limbs(limbs)):
             return again
         alone = {limb: again for limb in limbs if (again := with_limbs([limb]))}
         together = with_limbs(list(alone)) if 1 < len(alone) < len(limbs) else None
-        return together or min(alone.values(), key=lambda solved: solved.cost, default=found)
+        return together or min(alone.values(), key=lambda solved: solved.cost, default=draft)
 
     def _solved(
         self,

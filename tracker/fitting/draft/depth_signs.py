@@ -213,17 +213,23 @@ def _up_to(own: Array, change: Array) -> Array:
     return out
 
 
-def turned(joints: Joints, observed: Observed, p_hips: Array, found: Pointing) -> Observed | None:
+def turned(
+    joints: Joints, observed: Observed, p_hips: Array, drafted_pointing: Pointing
+) -> Observed | None:
     """Turn bones to the other side where they were drafted against their signs; None where none
     was. p_hips: (N, 12, 3) of the joints, finite.
     """
-    against = found.against
+    against = drafted_pointing.against
     if not against.any():
         return None
     p, depth = p_hips.copy(), p_hips[..., 2].copy()
     for k, bone in enumerate(joints.bones):
         along = p_hips[:, bone.far] - p_hips[:, bone.near]
-        wanted = found.signs[:, k] * np.abs(found.drafted[:, k]) * np.linalg.norm(along, axis=-1)
+        wanted = (
+            drafted_pointing.signs[:, k]
+            * np.abs(drafted_pointing.drafted[:, k])
+            * np.linalg.norm(along, axis=-1)
+        )
         estimated = wanted if against[:, k].any() else along[:, 2]
         depth[:, bone.far] = depth[:, bone.near] + estimated
     p[..., 2] = depth
@@ -280,7 +286,7 @@ def _crossed(observed: Observed) -> Array:
 def _group_jumps(where: Array, group: list[int]) -> Array:
     """(N − 1, 3 before, 3) mean distance from a group's joints to those of the frame before, each
     in one of the ways; 0 where nothing is known in both."""
-    ways = np.stack([_in_way(where[:, group], way) for way in WAYS])
+    ways = np.stack([_in_way(where[:, group], order) for order in WAYS])
     return np.stack(
         [
             np.stack([mean_distance(now[1:], before[:-1]) for now in ways], axis=-1)
@@ -290,11 +296,11 @@ def _group_jumps(where: Array, group: list[int]) -> Array:
     )
 
 
-def _in_way(where: Array, way: Way) -> Array:
+def _in_way(where: Array, order: Way) -> Array:
     """Joints (N, J, 3), pixels and depth, of one group in one of the ways."""
-    if way == EXCHANGED:
+    if order == EXCHANGED:
         return _other(where)
-    if way != OUTER:
+    if order != OUTER:
         return where
     out = where.copy()
     out[:, len(SIDES) :, :2] = _other(where)[:, len(SIDES) :, :2]
@@ -311,9 +317,9 @@ def _least_way(own: Array, steps: Array) -> NDArray[np.int64]:
     """(N,) the states whose sum of own costs (N, S) and of steps (N − 1, S before, S) is least."""
     cost, came_from = own[0], np.zeros(own.shape, np.int64)
     for n in range(1, len(own)):
-        way = cost[:, None] + steps[n - 1]
-        came_from[n] = way.argmin(axis=0)
-        cost = way.min(axis=0) + own[n]
+        totals = cost[:, None] + steps[n - 1]
+        came_from[n] = totals.argmin(axis=0)
+        cost = totals.min(axis=0) + own[n]
     states = np.zeros(len(own), np.int64)
     states[-1] = int(cost.argmin())
     for n in range(len(own) - 1, 0, -1):
@@ -334,11 +340,11 @@ def _exchanged(observed: Observed, states: NDArray[np.int64]) -> Observed:
             here = np.ix_(rows, joints)
             order[here] = _other(order[here])
     every = np.arange(len(observed))[:, None]
-    known = observed.known[every, places] & observed.known[every, labels]
+    is_known = observed.known[every, places] & observed.known[every, labels]
     return replace(
         observed,
         uv=observed.uv[every, places],
-        known=known,
-        visibility=np.where(known, observed.visibility[every, labels], 0.0),
+        known=is_known,
+        visibility=np.where(is_known, observed.visibility[every, labels], 0.0),
         p_hips=observed.p_hips[every, labels],
     )

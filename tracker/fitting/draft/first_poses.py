@@ -47,10 +47,10 @@ def with_proportions(body: Body, observed: Observed) -> Body:
     """The body with trunk, shoulders, arms and legs in the person's proportions, and its height."""
     joints = Joints.of(Skeleton.of(body))
     ratios = _ratios(joints, observed)
-    known = [ratio for ratio in ratios.values() if ratio is not None]
-    if not known:
+    known_ratios = [ratio for ratio in ratios.values() if ratio is not None]
+    if not known_ratios:
         return body
-    common = float(np.median(known))
+    common = float(np.median(known_ratios))
     factors = {
         name: _toward_preset(ratio / common, SHOULDER_DOUBT if name == _SIZE_SHOULDERS else DOUBT)
         for name, ratio in ratios.items()
@@ -67,9 +67,9 @@ def _toward_preset(factor: float, doubt: float) -> float:
 def _scaled(body: Body, joints: Joints, factors: dict[str, float]) -> Body:
     names = body.names
     for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):
-        for one, other in ((left.upper, right.upper), (left.lower, right.lower)):
-            factor = factors.get(names[one.part], 1.0)
-            for part in (one.part, other.part):
+        for left_bone, right_bone in ((left.upper, right.upper), (left.lower, right.lower)):
+            factor = factors.get(names[left_bone.part], 1.0)
+            for part in (left_bone.part, right_bone.part):
                 body = resized(body, names[part], length_factor=factor, linked=False)
     chest = names[joints.parts[place_of("left", "shoulder")]]
     body = resized(body, chest, length_factor=factors.get(_TRUNK, 1.0))
@@ -87,9 +87,11 @@ def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
     names = joints.skeleton.body.names
     ratios = {}
     for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):
-        for one, other in ((left.upper, right.upper), (left.lower, right.lower)):
-            seen = [_lengths(observed, bone.near, bone.far) for bone in (one, other)]
-            ratios[names[one.part]] = _median(np.concatenate(seen), joints.seen_length_m(one))
+        for left_bone, right_bone in ((left.upper, right.upper), (left.lower, right.lower)):
+            lengths = [_lengths(observed, bone.near, bone.far) for bone in (left_bone, right_bone)]
+            ratios[names[left_bone.part]] = _median(
+                np.concatenate(lengths), joints.seen_length_m(left_bone)
+            )
     ratios[_TRUNK] = _trunk_lengths(joints, observed)
     a, b = (place_of(side, "shoulder") for side in SIDES)
     p = joints.seen.at(
@@ -168,10 +170,10 @@ def _trunk(joints: Joints, p: Array) -> Array:
     return float(np.linalg.norm(ours)) * unit(theirs)
 
 
-def landmark_axes(camera: Camera, uv: Array, known: NDArray[np.bool_]) -> Array:
+def landmark_axes(camera: Camera, uv: Array, is_known: NDArray[np.bool_]) -> Array:
     """(3, 3) the axes of a frame's landmarks in the camera: a network has a person as if in the
-    middle of the picture. uv (K, 2), known (K,): of its points."""
-    return _onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
+    middle of the picture. uv (K, 2), is_known (K,): of its points."""
+    return _onto_ray(camera, uv[_HIPS].mean(0) if is_known[_HIPS].all() else uv[is_known].mean(0))
 
 
 def _onto_ray(camera: Camera, uv: Array) -> Array:

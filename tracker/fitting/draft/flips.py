@@ -108,8 +108,8 @@ def misses(joints: Joints, camera: Camera, observed: Observed, motion: Trajector
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     away = np.linalg.norm(uv - observed.uv[:, every], axis=-1) / heights[:, None]
-    known = observed.known[:, every] & observed.usable[:, None]
-    return np.where(known, away / keypoint_blur(observed.visibility[:, every]), np.nan)
+    is_known = observed.known[:, every] & observed.usable[:, None]
+    return np.where(is_known, away / keypoint_blur(observed.visibility[:, every]), np.nan)
 
 
 def _runs(far: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
@@ -182,8 +182,8 @@ def _turned_deg(joints: Joints, motion: Trajectory, run: LimbRun) -> float:
     share = (rows - before) / max(after - before, 1)
     if run.first == 0 or run.last == len(motion) - 1:  # one side alone says how it was
         share = np.full(len(rows), float(run.first == 0))
-    way = along[before] + share[:, None, None] * (along[after] - along[before])
-    return float(_angles_deg(along[run.rows], way).max())
+    between = along[before] + share[:, None, None] * (along[after] - along[before])
+    return float(_angles_deg(along[run.rows], between).max())
 
 
 def _across_deg(joints: Joints, motion: Trajectory, run: LimbRun) -> float:

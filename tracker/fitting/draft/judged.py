@@ -126,9 +126,13 @@ class JudgedDrafts:
             "hidden": self.hidden[sound],
             "flip": self.flips[sound],
         }
-        stretches = [one for s in self.stretches if (one := _sound_part(s, frames)) is not None]
-        found = proposed(frames, stretches, doubts, self.parts, self.joints[sound])
-        return tuple(sorted((*found, *self._to_correct()), key=lambda proposal: proposal.frame))
+        stretches = [
+            sound_part for s in self.stretches if (sound_part := _sound_part(s, frames)) is not None
+        ]
+        confirmations = proposed(frames, stretches, doubts, self.parts, self.joints[sound])
+        return tuple(
+            sorted((*confirmations, *self._to_correct()), key=lambda proposal: proposal.frame)
+        )
 
     def _to_correct(self) -> Iterator[Proposal]:
         for run in self.flipped_drafts():
@@ -171,15 +175,15 @@ def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> Judge
     """Judge stretches of frames with their motions; camera without distortion."""
     joints = Joints.of(skeleton)
     names = tuple(skeleton.body.names[limb.upper.part] for limb in joints.limbs)
-    found = [_piece(joints, camera, piece) for piece in pieces]
-    found = [piece for piece in found if piece.frames]
+    drafts = [_piece(joints, camera, piece) for piece in pieces]
+    drafts = [piece for piece in drafts if piece.frames]
     return JudgedDrafts(
-        tuple(frame for piece in found for frame in piece.frames),
-        tuple(stretch for piece in found for stretch in piece.stretches),
+        tuple(frame for piece in drafts for frame in piece.frames),
+        tuple(stretch for piece in drafts for stretch in piece.stretches),
         names,
         *(
             np.concatenate(
-                [np.zeros((0, *shape), kind), *(getattr(piece, name) for piece in found)]
+                [np.zeros((0, *shape), kind), *(getattr(piece, name) for piece in drafts)]
             )
             for name, (shape, kind) in _SHAPES.items()
         ),
@@ -227,5 +231,5 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> JudgedDrafts:
 
 
 def _mean(away: Array) -> Array:
-    known = np.isfinite(away)
-    return np.asarray(np.where(known, away, 0.0).sum(-1) / np.maximum(known.sum(-1), 1))
+    is_known = np.isfinite(away)
+    return np.asarray(np.where(is_known, away, 0.0).sum(-1) / np.maximum(is_known.sum(-1), 1))

@@ -148,9 +148,9 @@ def turning_ends(joints: Joints) -> Skeleton:
 
 
 def _ends(skeleton: Skeleton) -> tuple[NDArray[np.int64], BodyPoints]:
-    found = {name: place for name in ENDS if (place := _end(skeleton.body, name))}
-    index = np.array([POINTS.index(name) for name in found], dtype=np.int64)
-    return index, BodyPoints(skeleton, tuple((place,) for place in found.values()))
+    place_of_end = {name: place for name in ENDS if (place := _end(skeleton.body, name))}
+    index = np.array([POINTS.index(name) for name in place_of_end], dtype=np.int64)
+    return index, BodyPoints(skeleton, tuple((place,) for place in place_of_end.values()))
 
 
 def _end(body: Body, name: str) -> tuple[int, Point] | None:
@@ -227,22 +227,24 @@ class Observed:
         """
         missing = [name for name in JOINTS if name not in keypoints.names]
         if keypoints.p_hips is None or missing:
-            what = missing[0].replace("_", " ") if missing else "depth"
+            lacking = missing[0].replace("_", " ") if missing else "depth"
             raise KeypointError(
-                f"These keypoints have no {what}: a draft needs a person's arms and legs with "
+                f"These keypoints have no {lacking}: a draft needs a person's arms and legs with "
                 "their depth, as Keypose finds them."
             )
         columns = [_column(keypoints, keypoints.p_hips, name) for name in POINTS]
-        filmed, seen, p_hips = (np.stack(values, axis=1) for values in zip(*columns, strict=True))
+        filmed, visibilities, p_hips = (
+            np.stack(values, axis=1) for values in zip(*columns, strict=True)
+        )
         uv = camera.without_distortion().project(camera.back_project(filmed, 1.0))
-        known = np.asarray(np.isfinite(uv).all(-1) & np.isfinite(p_hips).all(-1))
-        visibility = np.where(known, seen, 0.0)
+        is_known = np.asarray(np.isfinite(uv).all(-1) & np.isfinite(p_hips).all(-1))
+        visibility = np.where(is_known, visibilities, 0.0)
         usable = (visibility[:, : len(JOINTS)] >= SEEN).sum(axis=1) >= FEWEST_SEEN
-        uv = np.where(known[..., None], uv, 0.0)
+        uv = np.where(is_known[..., None], uv, 0.0)
         usable = np.asarray(usable)
-        jumped = _jumped(uv, known, usable) | _begins(changes, keypoints.first_frame, usable)
+        jumped = _jumped(uv, is_known, usable) | _begins(changes, keypoints.first_frame, usable)
         sigma_m = _sigmas_m(keypoints)
-        return cls(keypoints.first_frame, uv, known, visibility, p_hips, usable, jumped, sigma_m)
+        return cls(keypoints.first_frame, uv, is_known, visibility, p_hips, usable, jumped, sigma_m)
 
     def rows(self, rows: slice) -> Observed:
         """Some of the frames."""
@@ -267,8 +269,8 @@ class Observed:
 
     def without(self, disbelieved: NDArray[np.bool_]) -> Observed:
         """Mark some of the keypoints (N, K) as unknown."""
-        known = self.known & ~disbelieved
-        return replace(self, known=known, visibility=np.where(known, self.visibility, 0.0))
+        is_known = self.known & ~disbelieved
+        return replace(self, known=is_known, visibility=np.where(is_known, self.visibility, 0.0))
 
     def with_depth_of(self, observed: Observed) -> Observed:
         """Take over where keypoints are in space."""
@@ -284,20 +286,25 @@ class Observed:
         that know it, and as in the rest pose (12, 3) where none does."""
         out, frames = self.p_hips[:, : len(JOINTS)].copy(), np.arange(len(self))
         for k in range(len(JOINTS)):
-            known = np.flatnonzero(self.known[:, k])
+            known_frames = np.flatnonzero(self.known[:, k])
             for axis in range(3):
-                values = out[known, k, axis] if len(known) else [rest[k, axis]]
-                out[:, k, axis] = np.interp(frames, known if len(known) else [0], values)
+                values = out[known_frames, k, axis] if len(known_frames) else [rest[k, axis]]
+                out[:, k, axis] = np.interp(
+                    frames, known_frames if len(known_frames) else [0], values
+                )
         return out
 
     def runs(self) -> list[slice]:
         """Stretches of frames that show one person, short gaps included."""
-        seen = np.flatnonzero(self.usable)
-        if not len(seen):
+        usable_frames = np.flatnonzero(self.usable)
+        if not len(usable_frames):
             return []
-        ends = np.flatnonzero((np.diff(seen) > GAP + 1) | self.jumped[seen[1:]])
-        firsts, lasts = [0, *(ends + 1)], [*ends, len(seen) - 1]
-        return [slice(int(seen[a]), int(seen[b]) + 1) for a, b in zip(firsts, lasts, strict=True)]
+        ends = np.flatnonzero((np.diff(usable_frames) > GAP + 1) | self.jumped[usable_frames[1:]])
+        firsts, lasts = [0, *(ends + 1)], [*ends, len(usable_frames) - 1]
+        return [
+            slice(int(usable_frames[a]), int(usable_frames[b]) + 1)
+            for a, b in zip(firsts, lasts, strict=True)
+        ]
 
 
 def _column(keypoints: Keypoints, p_hips: Array, name: str) -> tuple[Array, Array, Array]:
@@ -329,12 +336,12 @@ def _begins(frames: Collection[int], first: int, usable: NDArray[np.bool_]) -> N
     return out
 
 
-def _jumped(uv: Array, known: NDArray[np.bool_], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _jumped(uv: Array, is_known: NDArray[np.bool_], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(N,) whether the joints are elsewhere than in the usable frame before."""
     out = np.zeros(len(uv), np.bool_)
     rows = np.flatnonzero(usable)
     for before, here in pairwise(rows.tolist()):
-        both = known[before] & known[here]
+        both = is_known[before] & is_known[here]
         a, b = uv[before, both], uv[here, both]
         extent = max(np.ptp(a, axis=0).max(initial=0.0), np.ptp(b, axis=0).max(initial=0.0))
         step = np.linalg.norm(np.median(b - a, axis=0)) if both.any() else 0.0

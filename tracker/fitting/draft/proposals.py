@@ -62,8 +62,8 @@ def proposed(
     if not stretches:
         return ()
     poses = dict(zip(frames, joints, strict=True))
-    chosen = {one.last: Proposal(one.last, "end") for one in stretches}
-    chosen |= {one.first: Proposal(one.first, one.begins) for one in stretches}
+    chosen = {stretch.last: Proposal(stretch.last, "end") for stretch in stretches}
+    chosen |= {stretch.first: Proposal(stretch.first, stretch.begins) for stretch in stretches}
     ends, more = len(chosen), max(2, len(frames) // EVERY)
     for candidate in _frames_over_doubt_limit(frames, doubts, parts):
         if len(chosen) < ends + (more + 1) // 2 and _is_apart(candidate.frame, chosen):
@@ -74,7 +74,7 @@ def proposed(
 
 
 def _is_apart(frame: int, chosen: Collection[int]) -> bool:
-    return all(abs(frame - other) >= APART for other in chosen)
+    return all(abs(frame - chosen_frame) >= APART for chosen_frame in chosen)
 
 
 def _extreme(poses: Mapping[int, Array], chosen: Collection[int]) -> int | None:
@@ -86,9 +86,9 @@ def _extreme(poses: Mapping[int, Array], chosen: Collection[int]) -> int | None:
     return list(poses)[best] if away[best] > ALIKE else None
 
 
-def _apart(one: Array, other: Array) -> Array:
+def _apart(ps_first: Array, ps_second: Array) -> Array:
     """By how much joints (…, J, 3) of poses differ in the mean."""
-    return np.asarray(np.linalg.norm(one - other, axis=-1).mean(axis=-1))
+    return np.asarray(np.linalg.norm(ps_first - ps_second, axis=-1).mean(axis=-1))
 
 
 def _frames_over_doubt_limit(

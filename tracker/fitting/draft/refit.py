@@ -47,8 +47,8 @@ def learned_place(slopes: Array, missed_px: Array, pixel_m: Array) -> Array:
     slopes (R, 2, 3): pixels by metre in the part's axes, in R posed frames.  missed_px (R, 2): from
     the joint to the keypoint.  pixel_m (R,): metres there.
     """
-    known = 1 / ((SHAKES_M / pixel_m) ** 2 + POSED_PX**2)
-    weighted = np.swapaxes(slopes, -1, -2) * known[:, None, None]
+    precision = 1 / ((SHAKES_M / pixel_m) ** 2 + POSED_PX**2)
+    weighted = np.swapaxes(slopes, -1, -2) * precision[:, None, None]
     A = np.eye(3) / LEARNED_ON_PART_M**2 + (weighted @ slopes).sum(axis=0)
     return np.asarray(np.linalg.solve(A, (weighted @ missed_px[..., None]).sum(axis=0)[:, 0]))
 
@@ -81,16 +81,16 @@ def refit_drafts(
     """
     observed, poses = Observed.of(keypoints, camera, changes), {**drafts, **posed}
     skeleton = _free(Skeleton.of(body))
-    found: dict[int, Pose] = {}
+    refitted: dict[int, Pose] = {}
     for frames in _stretches(observed, poses, around):
         if any(frame in drafts for frame in frames) and any(frame in posed for frame in frames):
             rows = slice(frames.start - observed.first_frame, frames.stop - observed.first_frame)
             work = _PosedRun(skeleton, camera.without_distortion(), observed.rows(rows), poses)
             motion = work.solved([frame for frame in frames if frame in posed])
-            found |= {frame: motion.pose(frame) for frame in frames if frame in drafts}
+            refitted |= {frame: motion.pose(frame) for frame in frames if frame in drafts}
     return {
         frame: pose
-        for frame, pose in found.items()
+        for frame, pose in refitted.items()
         if frame not in posed and _is_before_camera(skeleton, pose)
     }
 
@@ -151,9 +151,9 @@ class _PosedRun:
         """Left and right as the poses have them, without keypoints that jump."""
         pixels = height_px(self.skeleton, self.camera, middle(first))
         ways = [self.seen]
-        other = consistent_sides(self.seen, pixels, height(self.skeleton.body))
-        if other is not None:
-            ways.append(other)
+        sides_swapped = consistent_sides(self.seen, pixels, height(self.skeleton.body))
+        if sides_swapped is not None:
+            ways.append(sides_swapped)
         scene = self._scene(self.skeleton, first)
         costs = [Whole.of_joints(scene, joints, observed, first).cost(first) for observed in ways]
         return ways[int(np.argmin(costs))].without_jumps(pixels)

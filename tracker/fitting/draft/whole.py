@@ -85,7 +85,7 @@ class Whole:
         first: a pose for every frame, whose depths are those that the keypoints give.
         """
         columns = np.arange(len(JOINTS))
-        known, sigma, wider = _sigmas(scene, observed, first, columns)
+        is_known, sigma, wider = _sigmas(scene, observed, first, columns)
         z = joints.seen.at(first.transforms(scene.skeleton))[..., 2]
         usual_m = np.array([TRUNK_DEPTH_M.get(j.split("_")[1], KEYPOINT_DEPTH_M) for j in JOINTS])
         own_m = observed.depth_sigma_m[:, columns]
@@ -98,9 +98,9 @@ class Whole:
             scene,
             joints.seen,
             observed.uv[:, columns],
-            np.where(known, 1 / sigma, 0.0),
+            np.where(is_known, 1 / sigma, 0.0),
             z - first.ps_camera_root[:, 2:],
-            np.where(known, 1 / depth_m, 0.0),
+            np.where(is_known, 1 / depth_m, 0.0),
             first,
             _precision(scene, joints, observed),
         )
@@ -112,14 +112,14 @@ class Whole:
         scene: of a skeleton in which nothing else moves.
         """
         columns, points = joints.ends
-        known, sigma, wider = _sigmas(scene, observed, posed, columns)
+        is_known, sigma, wider = _sigmas(scene, observed, posed, columns)
         depth = _depth_of_ends(scene, joints, observed, posed)
-        deep = known & np.isfinite(depth)
+        deep = is_known & np.isfinite(depth)
         return cls(
             scene,
             points,
             observed.uv[:, columns],
-            np.where(known, 1 / (ENDS_WIDER * sigma), 0.0),
+            np.where(is_known, 1 / (ENDS_WIDER * sigma), 0.0),
             np.where(deep, depth, 0.0),
             np.where(deep, 1 / (FOOT_DEPTH_M * wider), 0.0),
             posed,
@@ -237,9 +237,9 @@ def _depth_of_ends(scene: Scene, joints: Joints, observed: Observed, posed: Traj
 
 def in_camera(camera: Camera, observed: Observed) -> Array:
     """(N, K, 3) the landmarks along the axes of the camera; NaN where nobody is seen."""
-    p, known = np.full_like(observed.p_hips, np.nan), observed.known
-    for n in np.flatnonzero(known.any(axis=1)):
-        p[n] = observed.p_hips[n] @ landmark_axes(camera, observed.uv[n], known[n]).T
+    p, is_known = np.full_like(observed.p_hips, np.nan), observed.known
+    for n in np.flatnonzero(is_known.any(axis=1)):
+        p[n] = observed.p_hips[n] @ landmark_axes(camera, observed.uv[n], is_known[n]).T
     return p
 
 
@@ -252,6 +252,6 @@ def _sigmas(
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     wider = keypoint_blur(observed.visibility[:, columns])
-    known = observed.known[:, columns] & observed.usable[:, None]
-    return known, KEYPOINT_SHARE * heights[:, None] * wider, wider
-    return known, KEYPOINT_SHARE * heights[:, None] * wider, wider
+    is_known = observed.known[:, columns] & observed.usable[:, None]
+    return is_known, KEYPOINT_SHARE * heights[:, None] * wider, wider
+    return is_known, KEYPOINT_SHARE * heights[:, None] * wider, wider

@@ -73,8 +73,8 @@ class Joints:
         if source is None:
             return None
         scene, keyframe = inputs.scene, inputs.keyframe
-        seen = source.at(inputs.frame, scene.skeleton, keyframe.pose)
-        if seen is None:
+        detected = source.at(inputs.frame, scene.skeleton, keyframe.pose)
+        if detected is None:
             return None
         keyed = [
             (pose, keypoints)
@@ -82,7 +82,7 @@ class Joints:
             if (keypoints := source.at(frame, scene.skeleton, pose)) is not None
         ]
         camera = inputs.loader.camera
-        term = frame_anchors(scene, camera, seen, keyframe.pose, keyed, Cauchy())
+        term = frame_anchors(scene, camera, detected, keyframe.pose, keyed, Cauchy())
         if term is None:
             return None
         terms: list[Term] = [term, keyframe.prior, keyframe.joint_limits]
@@ -92,7 +92,7 @@ class Joints:
     def gain(self, pose: Pose) -> float:
         """By how much likelier a pose is than the one as set, nats."""
         before, after = (
-            Posed.of(self.keyframe.scene.skeleton, some) for some in (self.keyframe.pose, pose)
+            Posed.of(self.keyframe.scene.skeleton, each) for each in (self.keyframe.pose, pose)
         )
         return self.term.cost(before) - self.term.cost(after) - self.keyframe.prior.cost(after)
 
@@ -331,7 +331,7 @@ def _is_better(
     return outline is not None and gain(outline, inputs.keyframe.pose, pose) > BETTER_OUTLINE
 
 
-def _as_fitted(inputs: FitInputs, refined: RefinedPose, way: Way) -> PictureFit:
+def _as_fitted(inputs: FitInputs, refined: RefinedPose, fit_way: Way) -> PictureFit:
     skeleton, posed = inputs.scene.skeleton, inputs.keyframe.pose
     share = decided_share(inputs.keyframe, refined)
     turned = np.where(share[:, None, None] > 0, refined.pose.Rs_parent_part, posed.Rs_parent_part)
@@ -339,7 +339,7 @@ def _as_fitted(inputs: FitInputs, refined: RefinedPose, way: Way) -> PictureFit:
     moved_px = _moved_px(inputs, pose)
     tracked = np.isin(np.arange(skeleton.part_count), skeleton.dof_part)
     moves = Moves(skeleton.body.names, moved_px, share, tracked, _hidden_parts(inputs, pose))
-    return PictureFit(pose, moved_px, share, way, describe_moves(moves))
+    return PictureFit(pose, moved_px, share, fit_way, describe_moves(moves))
 
 
 def _moved_px(inputs: FitInputs, pose: Pose) -> Array:
@@ -364,9 +364,9 @@ def _moved_px(inputs: FitInputs, pose: Pose) -> Array:
 def _hidden_parts(inputs: FitInputs, pose: Pose) -> NDArray[np.bool_]:
     """(P,) parts of which the pose shows hardly anything."""
     height, width = inputs.pictures[0].shape[:2]
-    seen = visible_points(inputs.scene, (height, width), pose)[0]
+    visible = visible_points(inputs.scene, (height, width), pose)[0]
     starts = inputs.scene.points.starts
-    shown = np.add.reduceat(seen.astype(np.int64), starts[:-1])
+    shown = np.add.reduceat(visible.astype(np.int64), starts[:-1])
     return np.asarray(shown < HIDDEN * np.diff(starts))
 
 

@@ -146,12 +146,12 @@ class Outline:
     def edges(self, shown: Raster, colours: Colours, reach_m: float) -> Edges:
         """Where the picture has the edges of the body as drawn, up to reach_m away."""
         reach_px = self.pixels(reach_m)
-        v, u, part, other = _contour_pixels(shown)
+        v, u, part, behind = _contour_pixels(shown)
         normal = _outward_normals(shown, v, u, part)
         kept = np.linalg.norm(normal, axis=1) > 0.5
-        v, u, part, other, normal = v[kept], u[kept], part[kept], other[kept], normal[kept]
+        v, u, part, behind, normal = v[kept], u[kept], part[kept], behind[kept], normal[kept]
         along = np.arange(-reach_px, reach_px + 1)
-        odds = self._line_odds(colours, v, u, part, other, normal, along)
+        odds = self._line_odds(colours, v, u, part, behind, normal, along)
         sums = np.cumsum(odds, axis=1)
         chance = (2 * sums - sums[:, -1:]) / TEMPER
         chance = np.exp(chance - chance.max(axis=1, keepdims=True, initial=-np.inf))
@@ -169,7 +169,7 @@ class Outline:
         v: NDArray[np.int64],
         u: NDArray[np.int64],
         part: NDArray[np.int64],
-        other: NDArray[np.int64],
+        behind: NDArray[np.int64],
         normal: Array,
         along: NDArray[np.int64],
     ) -> Array:
@@ -181,7 +181,7 @@ class Outline:
         U, V = np.clip(U, 0, width - 1), np.clip(V, 0, height - 1)
         steps = self.steps[V, U]
         ours = colours.likely[part[:, None], steps] + LEAST_LIKELY
-        theirs = colours.likely[other[:, None], steps] + LEAST_LIKELY
+        theirs = colours.likely[behind[:, None], steps] + LEAST_LIKELY
         odds = np.clip(np.log(ours / theirs), -CLEAREST, CLEAREST)
         return np.asarray(np.where(inside & self.usable[V, U], odds, 0.0))
 
@@ -216,15 +216,15 @@ def _contour_pixels(shown: Raster) -> tuple[NDArray[np.int64], ...]:
     an edge at which a part hides something further away."""
     part = shown.part.astype(np.int64)
     depth = np.where(part >= 0, shown.depth, np.float32(1e9))
-    width, found = part.shape[1], []
-    for one, two in (_neighbours(0), _neighbours(1)):
-        for own, other in ((one, two), (two, one)):
-            edge = (part[own] >= 0) & (part[other] != part[own])
-            edge &= depth[other] > depth[own] + np.float32(GAP_M)
+    width, pixels = part.shape[1], []
+    for before, after in (_neighbours(0), _neighbours(1)):
+        for own, beyond in ((before, after), (after, before)):
+            edge = (part[own] >= 0) & (part[beyond] != part[own])
+            edge &= depth[beyond] > depth[own] + np.float32(GAP_M)
             v, u = np.nonzero(edge)
             at = (v + (own[0].start or 0)) * width + u + (own[1].start or 0)
-            found.append(np.stack([at, part[own][v, u], part[other][v, u]]))
-    every = np.concatenate(found, axis=1)
+            pixels.append(np.stack([at, part[own][v, u], part[beyond][v, u]]))
+    every = np.concatenate(pixels, axis=1)
     _, first = np.unique(every[0], return_index=True)
     at, own_part, other_part = every[:, first[::EVERY]]
     return at // width, at % width, own_part, other_part

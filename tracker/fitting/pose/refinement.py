@@ -96,9 +96,11 @@ class EdgeDistances:
 
     def _thickness(self, r: Array, parts: int) -> tuple[Array, Array]:
         """(P,) precision of each part's thickness, and its gradient."""
-        seen = np.bincount(self.part, weights=self.weights, minlength=parts)
+        weight_sums = np.bincount(self.part, weights=self.weights, minlength=parts)
         pull = np.bincount(self.part, weights=self.weights * r, minlength=parts)
-        return np.asarray(seen + 1 / self.thickness_px**2, np.float64), np.asarray(pull, np.float64)
+        return np.asarray(weight_sums + 1 / self.thickness_px**2, np.float64), np.asarray(
+            pull, np.float64
+        )
 
     def _cost(self, r: Array, precision: Array, pull: Array) -> float:
         return 0.5 * float(self.weights @ r**2 - (pull**2 / precision).sum())

@@ -64,7 +64,7 @@ def visible_points(
     """Which surface points (S,) a pose shows in a picture of (height, width), and uvz (S,
     3).
     """
-    HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.visibility, size[1], size[0])[:6]
+    HR, Ho, uvz, visible, depth, owner = room(scene.arrays, scene.visibility, size[1], size[0])[:6]
     place_parts(scene.arrays, *pose.writable(), HR, Ho)
     see(
         scene.arrays,
@@ -75,19 +75,22 @@ def visible_points(
         size[1],
         size[0],
         uvz,
-        seen,
+        visible,
         depth,
         owner,
     )
-    return seen, uvz
+    return visible, uvz
 
 
 def texture_of(scene: Scene, pictures: Sequence[Picture], pose: Pose, weight: float) -> Texture:
     """The texture of a frame, its pyramid `pictures` finest first, each (h, w, 4)."""
-    seen, uvz = visible_points(scene, pictures[0].shape[:2], pose)
+    visible, uvz = visible_points(scene, pictures[0].shape[:2], pose)
     chosen, grey, starts = [], [], []
     for level, picture in enumerate(pictures):
-        points, brightness = np.empty(len(seen) + 1, np.int32), np.empty(len(seen) + 1, np.float32)
+        points, brightness = (
+            np.empty(len(visible) + 1, np.int32),
+            np.empty(len(visible) + 1, np.float32),
+        )
         first = np.empty(scene.skeleton.part_count + 1, np.int64)
         coarse = level >= COARSE_LEVEL
         stride, every = (1, 2) if coarse else (STRIDE, 1)
@@ -95,7 +98,7 @@ def texture_of(scene: Scene, pictures: Sequence[Picture], pose: Pose, weight: fl
         pick(
             scene.arrays,
             uvz,
-            seen,
+            visible,
             picture,
             lens,
             0.5**level,
@@ -169,7 +172,7 @@ class PlacedTextures:
         HR, Ho = (part.astype(np.float32) for part in self.part_frames(posed))
         lens, starts = scaled_lens(self.scene.lens, 0.5**self.level), texture.starts[self.level]
         chosen, grey = texture.chosen[self.level], texture.grey[self.level]
-        parts, found = [], []
+        parts, differences = [], []
         for i, (first, last) in enumerate(pairwise(starts.tolist())):
             rows, taps = (np.empty(s, np.float32) for s in ((9, last - first), (last - first, 4)))
             count, _ = gather(
@@ -188,8 +191,8 @@ class PlacedTextures:
                 taps,
             )
             parts.append(np.full(count, i))
-            found.append(np.stack([taps[:count, 0] - rows[4, :count], rows[4, :count]]))
-        r, own = np.concatenate(found, axis=1).astype(np.float64)
+            differences.append(np.stack([taps[:count, 0] - rows[4, :count], rows[4, :count]]))
+        r, own = np.concatenate(differences, axis=1).astype(np.float64)
         return np.concatenate(parts), r, own
 
     def _sum(
@@ -282,8 +285,8 @@ class TextureDifferences:
         else:
             sums = self.placed.sums(posed, self.loss, self.width, self.fine)
         total = np.zeros((self.placed.scene.skeleton.part_count, 7, 7))
-        for found, scale in zip(sums, self._scales(), strict=True):
-            total += found.N * scale
+        for texture_sums, scale in zip(sums, self._scales(), strict=True):
+            total += texture_sums.N * scale
         return total
 
 
@@ -311,15 +314,19 @@ class TextureMatch:
         """The differences about a pose, the noise learnt there."""
         placed, width = self._placed(level), (TUKEY_WIDTH if fine else HUBER_WIDTH) * self._sigma
         sums = placed.sums(posed, TUKEY if fine else HUBER, width, fine)
-        self._sigma = np.array([robust_sigma(found.histogram, found.points) for found in sums])
+        self._sigma = np.array(
+            [robust_sigma(texture_sums.histogram, texture_sums.points) for texture_sums in sums]
+        )
         return TextureDifferences(placed, fine, width, self._sigma, (posed, sums))
 
     def score(self, pose: Pose) -> float:
         """Mean capped square of the differences, grey levels², over the visible points."""
         posed, total = Posed.of(self.scene.skeleton, pose), 0.0
         sums = self._placed(0).sums(posed, LEAST_SQUARES, np.ones(len(self.textures)), False)
-        for texture, found in zip(self.textures, sums, strict=True):
-            total += texture.weight * capped_square(found.histogram, found.points, CAP)
+        for texture, texture_sums in zip(self.textures, sums, strict=True):
+            total += texture.weight * capped_square(
+                texture_sums.histogram, texture_sums.points, CAP
+            )
         return total / max(sum(texture.weight for texture in self.textures), 1e-12)
 
     def _placed(self, level: int) -> PlacedTextures:

@@ -77,14 +77,14 @@ class ColourModels:
         place = (uv[:, None] + at[..., None] * normals[:, None]).astype(np.float32)
         if not len(place):
             return t, np.zeros((0, len(t), 3))
-        seen = cv2.remap(
+        colours = cv2.remap(
             self.rgb[frame].astype(np.float32),
             place[..., 0],
             place[..., 1],
             cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_REPLICATE,
         )
-        return t, np.asarray(seen, dtype=np.float64)
+        return t, np.asarray(colours, dtype=np.float64)
 
 
 def colour_cells(rgb: Picture) -> NDArray[np.int32]:
@@ -139,9 +139,9 @@ def _odds(figure: Array, ground: Array) -> Array:
     """(C,) log odds of every colour; 0 where too little was seen."""
     if figure.sum() < LEAST_PIXELS or ground.sum() < LEAST_PIXELS:
         return np.zeros_like(figure)
-    one, other = (_spread(counts) for counts in (figure, ground))
-    least = 0.02 * max(float(one.max()), float(other.max()))
-    return np.asarray(np.log((one + least) / (other + least)))
+    figure_share, ground_share = (_spread(counts) for counts in (figure, ground))
+    least = 0.02 * max(float(figure_share.max()), float(ground_share.max()))
+    return np.asarray(np.log((figure_share + least) / (ground_share + least)))
 
 
 def _spread(counts: Array) -> Array:
@@ -282,12 +282,12 @@ def _is_unobstructed(contour: Contour, uv: Array, t: Array) -> NDArray[np.bool_]
 
 def _find_edges(odds: Array, t: Array) -> Array:
     """(M,) where what looks like the part turns into what looks like background; NaN if nowhere."""
-    known = np.isfinite(odds)
-    odds = np.where(known, odds, 0.0) * STEP_PX
+    is_known = np.isfinite(odds)
+    odds = np.where(is_known, odds, 0.0) * STEP_PX
     inside = np.cumsum(odds, axis=1)
     score = 2 * inside - inside[:, -1:] - 0.5 * (t / 6.0) ** 2
     edge = int(2 / STEP_PX)
-    room = known & np.roll(known, edge, axis=1) & np.roll(known, -edge, axis=1)
+    room = is_known & np.roll(is_known, edge, axis=1) & np.roll(is_known, -edge, axis=1)
     room[:, :edge] = room[:, -edge:] = False
     score = np.where(room, score, -np.inf)
     k = score.argmax(axis=1)
@@ -306,13 +306,13 @@ def _refine_edges(colours: tuple[Array, Array], coarse: Array) -> Array:
 
     colours: t (T,) about the coarse place and what is seen there (M, T, 3).
     """
-    t, seen = colours
-    figure = seen[:, t < -NEAR_PX].mean(axis=1)
-    ground = seen[:, t > NEAR_PX].mean(axis=1)
+    t, sampled = colours
+    figure = sampled[:, t < -NEAR_PX].mean(axis=1)
+    ground = sampled[:, t > NEAR_PX].mean(axis=1)
     contrast = figure - ground
     length = np.linalg.norm(contrast, axis=1)
     between = np.abs(t) <= NEAR_PX
-    share = np.einsum("mtc,mc->mt", seen[:, between] - ground[:, None], contrast)
+    share = np.einsum("mtc,mc->mt", sampled[:, between] - ground[:, None], contrast)
     share = np.clip(share / np.maximum(length, 1e-3)[:, None] ** 2, 0, 1).mean(axis=1)
     fine = coarse + (2 * share - 1) * NEAR_PX
     return np.where(length > LEAST_CONTRAST * np.sqrt(3), fine, np.nan)

@@ -46,18 +46,22 @@ def estimate(
 ) -> Estimate | None:
     """Look for the contours and fit to them, again and again; None when cancelled."""
     joints = [joint_rows(fit, k) for k in range(len(fit.posed))]
-    seen = contours(fit, start, looked)
-    colour_models = pictures.colour_models(seen, fit)
+    shown_contours = contours(fit, start, looked)
+    colour_models = pictures.colour_models(shown_contours, fit)
     shared, observable, enough = start, np.ones(len(fit.free), dtype=np.bool_), False
     spread = np.zeros(len(fit.free))
     for number, reach in enumerate(reaches):
         if cancelled():
             return None
         if number:
-            seen = contours(fit, shared, looked)
-        found = residuals_by_pose(fit, shared, looked, seen, colour_models, reach)
+            shown_contours = contours(fit, shared, looked)
+        contour_residuals = residuals_by_pose(
+            fit, shared, looked, shown_contours, colour_models, reach
+        )
         rows = [
-            Residuals.concatenate([joints[k], *([found[k]] if k in found else [])])
+            Residuals.concatenate(
+                [joints[k], *([contour_residuals[k]] if k in contour_residuals else [])]
+            )
             for k in range(len(joints))
         ]
         result = solve(fit, shared, rows, STEPS)
@@ -65,7 +69,8 @@ def estimate(
         if not number:
             observable = spread < OBSERVABLE_SHARE
             enough = bool(
-                np.mean([len(residuals.parts) for residuals in found.values()]) >= FEWEST_POINTS
+                np.mean([len(residuals.parts) for residuals in contour_residuals.values()])
+                >= FEWEST_POINTS
             )
         fit = replace(fit, share=_favour_few(fit, shared)) if fit.free[:-2].all() else fit
     return Estimate(shared, spread, observable, enough)

@@ -47,9 +47,9 @@ def describe_sizes(sizes_found: SizesFound) -> str:
     names = sizes_found.proportions.names
     unobservable = _unobservable(sizes_found)
     left = [
-        f"{what} of {_listed(some)}"
-        for k, what in enumerate(WHAT)
-        if (some := [names[g] for g in np.flatnonzero(unobservable[k:-2:2])])
+        f"{kind} of {_listed(group_names)}"
+        for k, kind in enumerate(WHAT)
+        if (group_names := [names[g] for g in np.flatnonzero(unobservable[k:-2:2])])
     ]
     if left:
         text = " and ".join(left)
@@ -90,23 +90,23 @@ def _unobservable(sizes_found: SizesFound) -> NDArray[np.bool_]:
 
 def _changed(sizes_found: SizesFound) -> str:
     names, sizes = sizes_found.proportions.names, sizes_found.shared.sizes
-    some = [
+    changes = [
         f"{readable(names[s // 2])} {_by(sizes[s], s % 2)}"
         for s in np.flatnonzero(sizes_found.changed[:-2]).tolist()
     ]
-    if not some:
+    if not changes:
         return NO_GAIN
     return (
-        f"{some[0][:1].upper()}{some[0][1:]}."
-        if len(some) == 1
-        else f"{len(some)} sizes fit better."
+        f"{changes[0][:1].upper()}{changes[0][1:]}."
+        if len(changes) == 1
+        else f"{len(changes)} sizes fit better."
     )
 
 
-def _by(size: float, what: int) -> str:
+def _by(size: float, kind: int) -> str:
     """Such as "8 % longer"."""
     percent = 100 * abs(np.expm1(size))
-    return f"{percent:.0f} % {(MORE if size > 0 else LESS)[what]}"
+    return f"{percent:.0f} % {(MORE if size > 0 else LESS)[kind]}"
 
 
 def _focal(sizes_found: SizesFound) -> str:

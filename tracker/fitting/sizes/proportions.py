@@ -92,8 +92,8 @@ class Proportions:
 
 def _kind(body: Body, name: str) -> str:
     """The name without its side, where the other side is there as well."""
-    for side, other in (SIDES, SIDES[::-1]):
+    for side, opposite in (SIDES, SIDES[::-1]):
         bare = name.removeprefix(side)
-        if bare != name and other + bare in body.names:
+        if bare != name and opposite + bare in body.names:
             return bare
     return min(name, body.mirror_of(name))

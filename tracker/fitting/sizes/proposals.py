@@ -131,9 +131,9 @@ class KeyframePictures:
             return None
         posed = replace(sizes_found, shared=shared)
         turns = {
-            frame: some
+            frame: frame_turns
             for frame, before, after in zip(self.frames, self.fit.posed, shared.poses, strict=True)
-            if (some := self._turns(before, after))
+            if (frame_turns := self._turns(before, after))
         }
         camera = shared.focus(self.camera) if sizes_found.changed[-2] else self.camera
         return Proposal(
@@ -154,12 +154,15 @@ class KeyframePictures:
 
     def _error(self, shared: Shared) -> float:
         """Root mean square distance of the body's outline from the pictures', video pixels."""
-        seen = contours(self.fit, shared, self.looked)
+        shown_contours = contours(self.fit, shared, self.looked)
         away = np.concatenate(
-            [offsets(contour, self._colours, j, REACH_PX) for j, contour in enumerate(seen)]
+            [
+                offsets(contour, self._colours, j, REACH_PX)
+                for j, contour in enumerate(shown_contours)
+            ]
         )
-        known = away[np.isfinite(away)]
-        return self.scale * float(np.sqrt((known**2).mean())) if known.size else np.inf
+        known_away = away[np.isfinite(away)]
+        return self.scale * float(np.sqrt((known_away**2).mean())) if known_away.size else np.inf
 
 
 def _floating(

@@ -66,9 +66,9 @@ class Pictures:
         plates = plate_odds(rgb, [_colours(video, camera, size, frame) for frame in others])
         return cls(rgb, usable, [colour_cells(picture) for picture in rgb], plates)
 
-    def colour_models(self, seen: Sequence[Contour], fit: SharedFit) -> ColourModels:
+    def colour_models(self, shown_contours: Sequence[Contour], fit: SharedFit) -> ColourModels:
         """Learn the colours of parts that show where the contours say."""
-        shown = [contour.shown for contour in seen]
+        shown = [contour.shown for contour in shown_contours]
         groups = fit.proportions.group_of
         return learn_colours(self.rgb, self.usable, self.cells, shown, groups, self.plates)
 
@@ -92,13 +92,13 @@ def contour_rows(
     fit: SharedFit, shared: Shared, k: int, contour: Contour, away: NDArray[np.float64]
 ) -> Residuals:
     """Pose k's contour points, to be moved outward by these pixels (M,), not where that is NaN."""
-    known = np.isfinite(away)
-    parts, normals = contour.parts[known], contour.normals[known]
-    points = contour.points[known] / fit.proportions.ratios(shared.sizes)[parts]
+    is_known = np.isfinite(away)
+    parts, normals = contour.parts[is_known], contour.normals[is_known]
+    points = contour.points[is_known] / fit.proportions.ratios(shared.sizes)[parts]
     sigma = CONTOUR_PX * np.sqrt(np.maximum(1.0, np.bincount(parts)[parts] / ALONE))
     residuals = Residuals(parts, points, normals, np.zeros(len(parts)), sigma)
     return replace(
-        residuals, target=residuals.along(fit.pixels(shared, k, residuals)) + away[known]
+        residuals, target=residuals.along(fit.pixels(shared, k, residuals)) + away[is_known]
     )
 
 
@@ -107,7 +107,7 @@ def joint_rows(fit: SharedFit, k: int) -> Residuals:
     skeleton, posed = fit.proportions.skeleton, fit.posed[k]
     camera = fit.camera.zoomed(float(fit.zoom[k]))
     places = [place for (place,) in joints_and_landmarks(skeleton).points]
-    parts, points = (np.array(some) for some in zip(*places, strict=True))
+    parts, points = (np.array(column) for column in zip(*places, strict=True))
     uv = camera.project(carried(pose_transforms(skeleton, posed), parts, points))
     normals = np.repeat(np.eye(2), len(parts), axis=0)
     sigma = np.full(2 * len(parts), POSED_JOINT_PX)
@@ -118,12 +118,12 @@ def residuals_by_pose(
     fit: SharedFit,
     shared: Shared,
     looked: Sequence[int],
-    seen: Sequence[Contour],
+    shown_contours: Sequence[Contour],
     colour_models: ColourModels,
     reach_px: float,
 ) -> dict[int, Residuals]:
     """The contour rows of the poses that are looked at."""
     return {
         k: contour_rows(fit, shared, k, contour, offsets(contour, colour_models, j, reach_px))
-        for j, (k, contour) in enumerate(zip(looked, seen, strict=True))
+        for j, (k, contour) in enumerate(zip(looked, shown_contours, strict=True))
     }

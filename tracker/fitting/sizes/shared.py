@@ -57,11 +57,11 @@ class Residuals:
         return np.asarray((self.normals * uv).sum(-1))
 
     @classmethod
-    def concatenate(cls, some: Sequence[Residuals]) -> Residuals:
+    def concatenate(cls, pieces: Sequence[Residuals]) -> Residuals:
         """All of them."""
         names = ("parts", "points", "normals", "target", "sigma_px")
         return cls(
-            *(np.concatenate([getattr(residuals, name) for residuals in some]) for name in names)
+            *(np.concatenate([getattr(residuals, name) for residuals in pieces]) for name in names)
         )
 
 

@@ -233,8 +233,10 @@ def of_focal(file: str, size: Size, focal_px: float) -> Camera:
 def exact(data: dict[str, Any], distortion: Sequence[float]) -> Camera:
     """A camera by the fields that Keypose writes."""
     names = ("width", "height", "fx", "fy", "cx", "cy", "projection", "telephoto_distance_m")
-    known = {name: data[name] for name in names if name in data}
-    return Camera.model_validate({**known, "distortion": tuple(distortion), "origin": "intrinsics"})
+    fields = {name: data[name] for name in names if name in data}
+    return Camera.model_validate(
+        {**fields, "distortion": tuple(distortion), "origin": "intrinsics"}
+    )
 
 
 def resized(file: str, camera: Camera, size: Size) -> Camera:

@@ -57,10 +57,10 @@ def camera_of_columns(file: str, columns: Array, size: Size, reading: CameraRead
     Rs = rotations(reading.rotation_order or "zxy", np.radians(columns[:, 4:7]))
     frames = np.rint(columns[:, 0]).astype(np.int64)
     camera_way = CameraWay(frames, transform(Rs * FLIP, columns[:, 1:4]), zoom)
-    found = camera_file(file, camera, camera_way, reading)
-    if found.way is not None:
-        ascending(file, found.way)
-    return replace(found, columns=columns)
+    read = camera_file(file, camera, camera_way, reading)
+    if read.way is not None:
+        ascending(file, read.way)
+    return replace(read, columns=columns)
 
 
 def _lens(

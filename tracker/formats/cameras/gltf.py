@@ -66,10 +66,10 @@ class _Curve:
         share = np.clip((times_s - self.times_s[row]) / np.where(length > 0, length, 1), 0, 1)
         if self.is_stepped:
             share = np.floor(share)
-        s, one, other = share[:, None], self.values[row], self.values[following]
+        s, before, after = share[:, None], self.values[row], self.values[following]
         if self.values.shape[1] != _WIDTHS["rotation"]:
-            return np.asarray(one + s * (other - one))
-        return _slerped(one, other, s)
+            return np.asarray(before + s * (after - before))
+        return _slerped(before, after, s)
 
 
 def read_glb(file: str, content: bytes, size: Size, reading: CameraReading) -> CameraFile:
@@ -109,13 +109,13 @@ def _of_document(
             raise ValueError("not finite")
     except _DAMAGE:
         raise FormatError(f"{file} is a damaged glTF file: export it again.") from None
-    seen = transform(nearest_rotation(Ts[:, :3, :3]) * FLIP, Ts[:, :3, 3])
-    camera_way = CameraWay(times_s, seen, zoom, "seconds", begins)
+    Ts_world_camera = transform(nearest_rotation(Ts[:, :3, :3]) * FLIP, Ts[:, :3, 3])
+    camera_way = CameraWay(times_s, Ts_world_camera, zoom, "seconds", begins)
     notes = (Note("several animations"),) if several else ()
-    found = camera_file(file, lens, camera_way, reading, floor_y=0.0 if own else None, notes=notes)
-    if found.way is not None:
-        ascending(file, found.way)
-    return found
+    read = camera_file(file, lens, camera_way, reading, floor_y=0.0 if own else None, notes=notes)
+    if read.way is not None:
+        ascending(file, read.way)
+    return read
 
 
 def _begins(document: dict[str, Any]) -> float | None:
@@ -228,22 +228,22 @@ def _places(
     return np.asarray(T)
 
 
-def _slerped(one: Array, other: Array, share: Array) -> Array:
+def _slerped(first: Array, second: Array, share: Array) -> Array:
     """Quaternions (N, 4) on the shorter way from one to another, turning evenly."""
-    cosine = (one * other).sum(axis=1, keepdims=True)
-    other, cosine = np.where(cosine < 0, -other, other), np.minimum(np.abs(cosine), 1.0)
+    cosine = (first * second).sum(axis=1, keepdims=True)
+    second, cosine = np.where(cosine < 0, -second, second), np.minimum(np.abs(cosine), 1.0)
     angle = np.arccos(cosine)
     sine = np.where(angle > 1e-6, np.sin(angle), 1.0)
     a = np.where(angle > 1e-6, np.sin((1 - share) * angle) / sine, 1 - share)
     b = np.where(angle > 1e-6, np.sin(share * angle) / sine, share)
-    return np.asarray(a * one + b * other)
+    return np.asarray(a * first + b * second)
 
 
 def _lens(file: str, fields: dict[str, Any], size: Size) -> Camera:
-    seen = fields.get("perspective")
-    if fields.get("type") != "perspective" or not isinstance(seen, dict):
+    perspective = fields.get("perspective")
+    if fields.get("type") != "perspective" or not isinstance(perspective, dict):
         raise FormatError(f"{file} has an orthographic camera: give it a perspective lens.")
-    yfov, aspect = float(seen["yfov"]), seen.get("aspectRatio")
+    yfov, aspect = float(perspective["yfov"]), perspective.get("aspectRatio")
     if not 0 < yfov < math.pi:
         raise FormatError(f"{file} has a field of view that no camera has.")
     extras = fields.get("extras")

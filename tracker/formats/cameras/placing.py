@@ -110,11 +110,11 @@ def _by_numbers(camera_way: CameraWay, film: FilmFrames) -> tuple[Array, str]:
 
 def _outside(file: str, camera_way: CameraWay, film: FilmFrames) -> str:
     ends = " to ".join(f"{number:.6g}" for number in camera_way.frames[[0, -1]])
-    what = "seconds" if camera_way.clock == "seconds" else "frames"
+    unit = "seconds" if camera_way.clock == "seconds" else "frames"
     begin = "" if camera_way.clock == "seconds" else f", such as {-int(camera_way.frames[0])}"
     end = f"{film.times_s[-1]:.6g}" if camera_way.clock == "seconds" else f"{len(film) - 1}"
     return (
-        f"{file} has {what} {ends}, and the film 0 to {end}: say which frame of the film the "
+        f"{file} has {unit} {ends}, and the film 0 to {end}: say which frame of the film the "
         f"file's 0 is, with --offset-frames or as the start frame{begin}."
     )
 

@@ -106,15 +106,15 @@ def read_transforms(
         raise FormatError(f"{file}: {one_sentence(error)}") from None
     if "FISHEYE" in fields.camera_model or "EQUI" in fields.camera_model:
         raise FormatError(f"{file} is of a fisheye lens: export cameras of undistorted pictures.")
-    seen = []
+    pictures = []
     for each in fields.frames:
         T = np.array(each.transform_matrix)
         if T.shape not in ((4, 4), (3, 4)):
             raise FormatError(f"{file}: transform_matrix should have four rows of four numbers.")
         lens = _lens_of_transforms(file, fields, each, size)
         T_world_camera = transform(T[:3, :3] * FLIP, T[:3, 3])
-        seen.append(_Seen(each.file_path, T_world_camera, lens))
-    return _camera(file, seen, size, reading, knows_up=True)
+        pictures.append(_Seen(each.file_path, T_world_camera, lens))
+    return _camera(file, pictures, size, reading, knows_up=True)
 
 
 def _lens_of_transforms(
@@ -160,15 +160,15 @@ def read_splats(file: str, data: list[Any], size: Size, reading: CameraReading) 
         fields = _Splats.model_validate({"cameras": data})
     except ValidationError as error:
         raise FormatError(f"{file}: {one_sentence(error)}") from None
-    seen = []
+    pictures = []
     for each in fields.cameras:
         if len(each.rotation) != 3:
             raise FormatError(f"{file}: rotation should have three rows of three numbers.")
         middle = (each.fx, each.fy, each.width / 2, each.height / 2)
         lens = _lens(file, (round(each.width), round(each.height)), middle)
         T = transform(np.array(each.rotation), np.array(each.position))
-        seen.append(_Seen(each.img_name, T, lens))
-    return _camera(file, seen, size, reading)
+        pictures.append(_Seen(each.img_name, T, lens))
+    return _camera(file, pictures, size, reading)
 
 
 # --- COLMAP and TUM
@@ -214,8 +214,8 @@ def _read_colmap(
     Ts_camera_world = _posed(file, numbers[:, :4], numbers[:, 4:7])
     R = transpose(Ts_camera_world[:, :3, :3])
     Ts = transform(R, -(R @ Ts_camera_world[:, :3, 3:])[..., 0])
-    seen = [_Seen(p[9], T, lenses.get(p[8])) for p, T in zip(pictures, Ts, strict=True)]
-    return _camera(file, seen, size, reading)
+    filmed = [_Seen(p[9], T, lenses.get(p[8])) for p, T in zip(pictures, Ts, strict=True)]
+    return _camera(file, filmed, size, reading)
 
 
 def _colmap_lenses(path: Path) -> dict[str, Camera]:
@@ -237,12 +237,12 @@ def _colmap_lenses(path: Path) -> dict[str, Camera]:
         values = _numbers(path.name, [words[2:]])[0]
         if len(values) != len(names) + 2:
             raise FormatError(f"{path.name} is damaged: {words[1]} has {len(names)} parameters.")
-        known = dict(zip(names, values[2:].tolist(), strict=True))
-        fx, fy = (known.get(name, known.get("f", 0.0)) for name in ("fx", "fy"))
-        k1, k2, p1, p2 = (known.get(name, 0.0) for name in ("k1", "k2", "p1", "p2"))
+        parameters = dict(zip(names, values[2:].tolist(), strict=True))
+        fx, fy = (parameters.get(name, parameters.get("f", 0.0)) for name in ("fx", "fy"))
+        k1, k2, p1, p2 = (parameters.get(name, 0.0) for name in ("k1", "k2", "p1", "p2"))
         whole = (round(values[0]), round(values[1]))
         lenses[words[0]] = _lens(
-            path.name, whole, (fx, fy, known["cx"], known["cy"]), (k1, k2, p1, p2, 0.0)
+            path.name, whole, (fx, fy, parameters["cx"], parameters["cy"]), (k1, k2, p1, p2, 0.0)
         )
     return lenses
 
@@ -291,10 +291,15 @@ def _lens(
 
 
 def _camera(
-    file: str, seen: Sequence[_Seen], size: Size, reading: CameraReading, *, knows_up: bool = False
+    file: str,
+    pictures: Sequence[_Seen],
+    size: Size,
+    reading: CameraReading,
+    *,
+    knows_up: bool = False,
 ) -> CameraFile:
     """The camera that took all pictures, in the order of their numbers."""
-    numbered = [(_NUMBER.search(Path(each.name).stem), each) for each in seen]
+    numbered = [(_NUMBER.search(Path(each.name).stem), each) for each in pictures]
     nameless = next((each.name for number, each in numbered if number is None), None)
     if nameless is not None:
         raise FormatError(

@@ -184,8 +184,8 @@ def scaled(model: OpenSimModel, body: Body, markers: tuple[Marker, ...]) -> Scal
     FormatError where its torso does not hang on its pelvis.
     """
     factors = _factors(model, body)
-    known = [m for m in markers if _kind_and_side(m.part)[0] in _KINDS]
-    return Scaled(factors, {m.name: _placed(model, body, factors, m) for m in known})
+    placeable = [m for m in markers if _kind_and_side(m.part)[0] in _KINDS]
+    return Scaled(factors, {m.name: _placed(model, body, factors, m) for m in placeable})
 
 
 def mid_hips(model: OpenSimModel, factors: Mapping[str, Array]) -> Array:
@@ -226,7 +226,7 @@ def _factors(model: OpenSimModel, body: Body) -> dict[str, Array]:
 
 def _trunk(model: OpenSimModel, body: Body) -> tuple[Array, Array]:
     """Factors of pelvis and torso."""
-    hip, other = _anatomical(body, "right_thigh"), _anatomical(body, "left_thigh")
+    hip, left_hip = _anatomical(body, "right_thigh"), _anatomical(body, "left_thigh")
     lumbar, shoulder = _anatomical(body, "chest"), _under(body, "right_upper_arm")
     joints = model.joints
     if joints["torso"].parent != "pelvis":
@@ -234,9 +234,9 @@ def _trunk(model: OpenSimModel, body: Body) -> tuple[Array, Array]:
             "The torso of this model does not hang on its pelvis by one joint: choose a model "
             "without single vertebrae, such as Model_Pose2Sim_simple.osim."
         )
-    high = (lumbar - (hip + other) / 2)[1]
+    high = (lumbar - (hip + left_hip) / 2)[1]
     high_there = (joints["torso"].p_parent - joints["femur_r"].p_parent)[1]
-    wide = (hip - other)[2] / (joints["femur_r"].p_parent - joints["femur_l"].p_parent)[2]
+    wide = (hip - left_hip)[2] / (joints["femur_r"].p_parent - joints["femur_l"].p_parent)[2]
     arm = joints["humerus_r"].p_parent - joints["torso"].p_body
     return (
         _front_to_back(high / high_there, wide),

@@ -98,14 +98,14 @@ def coordinates(recording: Recording, model: OpenSimModel | None = None) -> dict
         raise FormatError(
             "OpenSim's joint angles are those of a whole person, and this body is no person's."
         )
-    found: dict[str, Array] = dict(zip(_PLACES, _pelvis_m(recording, model).T, strict=True))
+    values_of: dict[str, Array] = dict(zip(_PLACES, _pelvis_m(recording, model).T, strict=True))
     for name, sign, at_rest, each, angle in _columns(angles):
-        found[name] = sign * each[angle] + at_rest
+        values_of[name] = sign * each[angle] + at_rest
     for s, side in _SIDES.items():
         ankle, subtalar = _ankle(recording, side)
-        found |= {f"ankle_angle_{s}": ankle, f"subtalar_angle_{s}": subtalar}
-        found[f"mtp_angle_{s}"] = 0.0 * ankle
-    return found if model is None else _of_model(found, model.coordinates)
+        values_of |= {f"ankle_angle_{s}": ankle, f"subtalar_angle_{s}": subtalar}
+        values_of[f"mtp_angle_{s}"] = 0.0 * ankle
+    return values_of if model is None else _of_model(values_of, model.coordinates)
 
 
 def expected_errors(recording: Recording) -> dict[str, Array] | None:
@@ -119,9 +119,9 @@ def expected_errors(recording: Recording) -> dict[str, Array] | None:
     if len(angles) < len(JOINTS):
         return None
     errors = {name: each.error_deg(angle) for name, _, _, each, angle in _columns(angles)}
-    found = {name: error for name, error in errors.items() if error is not None}
-    is_whole = all(np.isfinite(error).all() for error in found.values())
-    return found if found and is_whole else None
+    known_errors = {name: error for name, error in errors.items() if error is not None}
+    is_whole = all(np.isfinite(error).all() for error in known_errors.values())
+    return known_errors if known_errors and is_whole else None
 
 
 def _columns(
@@ -141,8 +141,8 @@ def _with_hinges(recording: Recording) -> Recording:
     tracks = recording.tracks
     if not joints_of(recording.skeleton.body):
         return recording
-    Rs, known = tracks.Rs_parent_part.copy(), tracks.tracked
-    Rs[known] = with_hinges(recording.skeleton.body, Rs[known])
+    Rs, is_tracked = tracks.Rs_parent_part.copy(), tracks.tracked
+    Rs[is_tracked] = with_hinges(recording.skeleton.body, Rs[is_tracked])
     return replace(recording.with_ground(), tracks=replace(tracks, Rs_parent_part=Rs))
 
 
@@ -153,10 +153,10 @@ def trunk_flexion(model: OpenSimModel) -> str | None:
     return next((each for each in names if each in model.coordinates), None)
 
 
-def _of_model(found: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
+def _of_model(values_of: Mapping[str, Array], names: Collection[str]) -> dict[str, Array]:
     """Keep those that a model has, under its names."""
-    called = {name: name if name in names else _ALSO_CALLED.get(name, name) for name in found}
-    return {called[name]: values for name, values in found.items() if called[name] in names}
+    called = {name: name if name in names else _ALSO_CALLED.get(name, name) for name in values_of}
+    return {called[name]: values for name, values in values_of.items() if called[name] in names}
 
 
 def _pelvis_m(recording: Recording, model: OpenSimModel | None) -> Array:
@@ -182,15 +182,15 @@ def _ankle(recording: Recording, side: str) -> tuple[Array, Array]:
     joint = next(joint for joint in JOINTS if joint.name == f"{side}_ankle")
     unknown = np.eye(3)  # the shin carries it, so the ground does not matter
     R = carried(recording.skeleton.body, joint, recording.tracks.Rs_parent_part, unknown)
-    known = np.isfinite(R).all(axis=(1, 2))
+    is_finite = np.isfinite(R).all(axis=(1, 2))
     ankle, subtalar = np.full(len(R), np.nan), np.full(len(R), np.nan)
     up, inward = np.array(ANKLE_AXIS), np.array(SUBTALAR_AXIS)
-    turned = R[known] @ inward
+    turned = R[is_finite] @ inward
     across = np.cross(up, inward)
     flat = inward - (inward @ up) * up
-    ankle[known] = np.arctan2(turned @ across, turned @ flat)
-    left = transpose(exp_rotation(ankle[known, None] * up)) @ R[known]
-    subtalar[known] = log_rotation(left) @ inward
+    ankle[is_finite] = np.arctan2(turned @ across, turned @ flat)
+    left = transpose(exp_rotation(ankle[is_finite, None] * up)) @ R[is_finite]
+    subtalar[is_finite] = log_rotation(left) @ inward
     return np.degrees(ankle), np.degrees(subtalar)
 
 

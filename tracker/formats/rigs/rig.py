@@ -62,12 +62,12 @@ def rest_pose(skeleton: Skeleton, arms_below_horizontal_deg: float | None) -> Ar
 def _directions(below_deg: float) -> dict[str, Array]:
     """Where the parts of arms and legs point."""
     below = np.deg2rad(below_deg)
-    found: dict[str, Array] = {}
+    directions: dict[str, Array] = {}
     for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
         out = np.array([sign * np.cos(below), -np.sin(below), 0.0])
-        found |= {f"{side}_{part}": out for part in _ARM}
-        found |= {f"{side}_{part}": _DOWN for part in _LEG}
-    return found
+        directions |= {f"{side}_{part}": out for part in _ARM}
+        directions |= {f"{side}_{part}": _DOWN for part in _LEG}
+    return directions
 
 
 def _along(skeleton: Skeleton, i: int) -> Array:

@@ -79,7 +79,7 @@ class Table(BaseModel):
 
     def rows(self) -> tuple[Row, ...]:
         """A row for every bone, parents before children, with its whole name and its axes."""
-        return tuple(one for row in self.bones for one in self._both(row))
+        return tuple(side_row for row in self.bones for side_row in self._both(row))
 
     def _both(self, row: Row) -> list[Row]:
         if "{}" not in row.name:
