@@ -71,11 +71,13 @@ class _Said:
         """By how much the points of the pairs that it knows are off."""
         ends = np.array([(pair.one, pair.other) for pair in pairs], float).ravel()
         inside = (ends >= self.way.frames[0]) & (ends <= self.way.frames[-1])
-        known = inside.reshape(-1, 2).all(axis=1)
-        rows = np.interp(ends[np.repeat(known, 2)], self.way.frames, np.arange(len(self.way.zoom)))
+        is_inside = inside.reshape(-1, 2).all(axis=1)
+        rows = np.interp(
+            ends[np.repeat(is_inside, 2)], self.way.frames, np.arange(len(self.way.zoom))
+        )
         there = CameraPath(self.way.Ts_world_camera, self.way.zoom).sampled(rows)
         path = CameraPath(rigid_inverse(there.Ts_camera_world), there.zoom)
-        chosen = [pair for pair, is_known in zip(pairs, known, strict=True) if is_known]
+        chosen = [pair for pair, is_known in zip(pairs, is_inside, strict=True) if is_known]
         return error_px(chosen, self.camera, path)
 
 
@@ -107,9 +109,13 @@ def compared(
     least = min(BETTER * off, OFF_SHARE * camera.width)
     farthest = FARTHEST if off > OFF_SHARE * camera.width else NEAREST
     for kind, value, said in _others(session, file, camera_file, original, reading, film, farthest):
-        other = said.off_px(pairs)
-        if other is not None and other < least and (best is None or other * AS_GOOD < best[0]):
-            best = other, kind, value
+        said_off_px = said.off_px(pairs)
+        if (
+            said_off_px is not None
+            and said_off_px < least
+            and (best is None or said_off_px * AS_GOOD < best[0])
+        ):
+            best = said_off_px, kind, value
     if best is None and off <= OFF_SHARE * camera.width:
         return Comparison(off)
     return Comparison(off, Note("background off", (off, *(best or ()))))

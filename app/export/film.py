@@ -48,10 +48,10 @@ class Clock:
 
 def film_of(name: str, poses: KnownPoses, order: FilmOrder) -> Film:
     """The film that is ordered; SessionError where there is nothing to film, by the file's name."""
-    known = poses.frames
-    if not known:
+    frames_posed = poses.frames
+    if not frames_posed:
         raise SessionError(f"{name} has no pose to film: set a keyframe first.")
-    first, last = order.frames or (known[0], known[-1])
+    first, last = order.frames or (frames_posed[0], frames_posed[-1])
     return Film(order.view, first, last, order.paint, order.size, order.tint)
 
 

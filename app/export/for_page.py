@@ -60,7 +60,7 @@ _HEAD = """\
 
 def module_text() -> str:
     """The whole module."""
-    exports = {what: _options(order) for what, order in EXPORTS.items()}
+    exports = {export: _options(order) for export, order in EXPORTS.items()}
     imports = {kind: _options(order) for kind, order in IMPORTS.items()}
     formats = {name: _format(name) for name in FORMATS}
     names = " | ".join(f"'{name}'" for name in FORMATS)
@@ -81,9 +81,11 @@ def module_text() -> str:
 
 def _options(order: type) -> list[dict[str, Any]]:
     options = form_of(order)
-    for one in options:
-        if "only" in one:
-            one["only"] = [name for name, kind in FORMATS.items() if getattr(kind, one["only"])]
+    for option in options:
+        if "only" in option:
+            option["only"] = [
+                name for name, kind in FORMATS.items() if getattr(kind, option["only"])
+            ]
     return options
 
 
@@ -104,12 +106,12 @@ def _format(name: str) -> dict[str, Any]:
     }
 
 
-def _js(known: dict[str, Any]) -> str:
+def _js(table: dict[str, Any]) -> str:
     """One line an option or a format."""
     lines = ["{"]
-    for name, value in known.items():
+    for name, value in table.items():
         if isinstance(value, list):
-            rows = "".join(f"\n    {json.dumps(one, ensure_ascii=False)}," for one in value)
+            rows = "".join(f"\n    {json.dumps(row, ensure_ascii=False)}," for row in value)
             lines.append(f"  {name}: [{rows}{chr(10) + '  ' if rows else ''}],")
         else:
             lines.append(f"  {name}: {json.dumps(value, ensure_ascii=False)},")

@@ -123,24 +123,24 @@ def with_camera_file(session: Session, camera_file: CameraFile, file: str) -> Se
         camera_file = replace(camera_file, way=_of_film(camera_file.way, count, file))
         camera_file = camera_file.from_row(_first_of_film(camera_file.way))
     old, new = session.view.camera, camera_file.camera
-    seen = session
+    new_session = session
     if new is not None:
-        seen = session.changed({"lens_source": "calibration", "camera": new})
+        new_session = session.changed({"lens_source": "calibration", "camera": new})
         if new.model_copy(update={"origin": old.origin}) == old:
-            seen = seen.changed({"camera": old})
+            new_session = new_session.changed({"camera": old})
     if camera_file.up_camera is not None:
-        turned = seen.with_up(camera_file.up_camera)
+        turned = new_session.with_up(camera_file.up_camera)
         if turned_deg(session, turned) > SAME_DEG:
-            seen = turned
+            new_session = turned
     if camera_file.way is not None:
         motion = camera_motion_of(camera_file.way, count, file)
-        seen = seen.changed({"camera_motion": motion, "camera_keyframes": ()})
+        new_session = new_session.changed({"camera_motion": motion, "camera_keyframes": ()})
         settings = session.settings.model_copy(update={"static_camera": False})
-        seen = seen.changed({"settings": settings})
+        new_session = new_session.changed({"settings": settings})
     floor_m = camera_file.floor_m
     if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
-        seen = seen.changed({"floor_m": round(floor_m, DECIMALS)})
-    made = seen_as_before(session, seen)
+        new_session = new_session.changed({"floor_m": round(floor_m, DECIMALS)})
+    made = seen_as_before(session, new_session)
     require_sound(session, made, "import the camera")
     return made
 
@@ -183,8 +183,8 @@ def _pieces(
     """What hangs together of a motion whose unit is as long, but for the spans without scale."""
     within = [(max(a, 0), min(b, frame_count - 1)) for a, b in unscaled]
     spans = [(a, b) for a, b in within if a <= b]
-    known = {0: metres, **{b + 1: metres for _, b in spans if b + 1 < frame_count}}
-    units = {**known, **dict.fromkeys((a for a, _ in spans))}
+    metres_of_start = {0: metres, **{b + 1: metres for _, b in spans if b + 1 < frame_count}}
+    units = {**metres_of_start, **dict.fromkeys((a for a, _ in spans))}
     return tuple(CameraPiece(first_frame=at, metres=units[at]) for at in sorted(units))
 
 

@@ -53,23 +53,23 @@ def match_keypoints(
     FormatError in one sentence where too few are known to pose the body.
     """
     skeleton, names = Skeleton.of(session.subject.body), keypoints.names
-    known = matched(skeleton, names, file)
+    matches = matched(skeleton, names, file)
     if also:
-        given = {keypoint_name(name): place for name, place in also.items()}
-        known = match_also(skeleton, known, names, file, given)
-    if len(known.known) < LEAST_KEYPOINTS:
-        few = ", ".join(known.left_out[:SHOWN])
+        place_of_name = {keypoint_name(name): place for name, place in also.items()}
+        matches = match_also(skeleton, matches, names, file, place_of_name)
+    if len(matches.known) < LEAST_KEYPOINTS:
+        few = ", ".join(matches.left_out[:SHOWN])
         raise FormatError(
-            f"{file} names {len(known.known)} places of the session's body, {LEAST_KEYPOINTS} are "
-            f"needed to pose it: say where others lie on the body, such as {few}."
+            f"{file} names {len(matches.known)} places of the session's body, {LEAST_KEYPOINTS} "
+            f"are needed to pose it: say where others lie on the body, such as {few}."
         )
-    return known
+    return matches
 
 
 def drafts_of(
     session: Session,
     keypoints: Keypoints,
-    known: Matched,
+    matches: Matched,
     frames: Sequence[int],
     times_s: Array,
     progress: Callable[[int, int], None] | None = None,
@@ -88,13 +88,13 @@ def drafts_of(
         if frame in posed or not keypoints.first_frame <= frame <= keypoints.last_frame:
             continue
         row = frame - keypoints.first_frame
-        uv = keypoints.uv[row, known.indices]
-        sure = keypoints.visibility[row, known.indices]
+        uv = keypoints.uv[row, matches.indices]
+        sure = keypoints.visibility[row, matches.indices]
         if np.isfinite(uv).all(-1).sum() < LEAST_KEYPOINTS:
             continue
         near = between(posed, sorted(posed), frame)
         near = near and film_camera.pose_to_camera(frame, near)
-        draft = _draft(session, known, uv, sure, frame, near, times_s)
+        draft = _draft(session, matches, uv, sure, frame, near, times_s)
         if draft is not None:
             posed[frame] = film_camera.pose_to_world(frame, draft.keyframe.pose(skeleton))
             drafts.append(draft)
@@ -103,7 +103,7 @@ def drafts_of(
 
 def _draft(
     session: Session,
-    known: Matched,
+    matches: Matched,
     uv: Array,
     sure: Array,
     frame: int,
@@ -112,9 +112,9 @@ def _draft(
 ) -> Draft | None:
     """The pose that is seen at the keypoints; None where none lies before the camera."""
     skeleton, camera = Skeleton.of(session.subject.body), session.film_camera.at(frame)
-    points = BodyPoints(skeleton, tuple(known.places))
+    points = BodyPoints(skeleton, tuple(matches.places))
     starts = _starts(session, camera, up_of(session, frame), points, uv, near)
-    solved = fit_picture(session.subject.body, camera, known.places, uv, sure, starts, near)
+    solved = fit_picture(session.subject.body, camera, matches.places, uv, sure, starts, near)
     Ts = pose_transforms(skeleton, solved.pose)
     if not Ts[:, 2, 3].min() > NEAREST_M:
         return None
@@ -136,14 +136,14 @@ def _starts(
     """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
     rest = opening_pose(session.subject.body, camera, up_camera)
     camera = camera.without_distortion()
-    known = np.isfinite(uv).all(-1)
-    middle = uv[known].mean(0)
+    is_detected = np.isfinite(uv).all(-1)
+    middle = uv[is_detected].mean(0)
     starts = [] if near is None else [near]
     for quarter in range(4):
         Rs = rest.Rs_parent_part.copy()
         Rs[0] = Rs[0] @ exp_rotation((0.0, quarter * np.pi / 2, 0.0))
-        there = points.at(pose_transforms(points.skeleton, Pose(Rs, np.zeros(3))))[known]
-        z = _distance(camera, there, uv[known]) if near is None else near.p_camera_root[2]
+        there = points.at(pose_transforms(points.skeleton, Pose(Rs, np.zeros(3))))[is_detected]
+        z = _distance(camera, there, uv[is_detected]) if near is None else near.p_camera_root[2]
         p_middle = camera.back_project(middle, z)
         starts.append(Pose(Rs, p_middle - there.mean(0)))
     return starts

@@ -99,12 +99,12 @@ def fit_to_session(
     """
     skeleton = Skeleton.of(session.subject.body)
     motion = motion.on_video(file, times_s)
-    known = matched(skeleton, motion.names, file, names)
+    matches = matched(skeleton, motion.names, file, names)
     if also:
-        known = match_also(skeleton, known, motion.names, file, also)
-    _require_joints(known, motion, file)
-    require_limbs(skeleton, known.places, file)
-    points = BodyPoints(skeleton, tuple(known.places))
+        matches = match_also(skeleton, matches, motion.names, file, also)
+    _require_joints(matches, motion, file)
+    require_limbs(skeleton, matches.places, file)
+    points = BodyPoints(skeleton, tuple(matches.places))
     film_camera = session.film_camera
     if motion.world == "camera":
         film_camera = FilmCamera(film_camera.lens)
@@ -112,10 +112,10 @@ def fit_to_session(
     start, notes = 0, motion.notes
     if offset_s is None:
         in_world = film_camera.poses_to_world(posed)
-        start = _best_start(points, motion, known.indices, times_s, in_world)
+        start = _best_start(points, motion, matches.indices, times_s, in_world)
         offset_s = float(times_s[start])
         notes += (Note("starts at", (start,)),) if start else ()
-    first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file, len(motion))
+    first, ps = _within(motion.at(times_s - offset_s)[:, matches.indices], file, len(motion))
     bones = bone_ratios(points, ps)
     size = median_ratio(bones)
     scale = size if motion.unit is None else 1.0
@@ -132,14 +132,14 @@ def fit_to_session(
             f"{file} does not say in which frame it is: choose its world, or set a keyframe."
         )
     elif motion.world != "camera":
-        world = world_at_rest(points, motion.world, motion.rest_m, known.indices)
+        world = world_at_rest(points, motion.world, motion.rest_m, matches.indices)
         notes += () if world == motion.world else (Note("z up at rest"),)
         ps = _before_camera(session, ps, world)
     if film_camera.path is not None:
         ps = _seen(film_camera.path.between(first, first + len(ps) - 1), ps)
-    fit = fit_motion(session.subject.body, known.places, ps, first, near, progress)
+    fit = fit_motion(session.subject.body, matches.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
-    notes += implausible(skeleton, known.places, bones, size, ps, fit)
+    notes += implausible(skeleton, matches.places, bones, size, ps, fit)
     if not reached:
         placed = session.film_camera.motion_to_world(fit.trajectory)
         notes += lying(placed, np.array(session.world.up_world or UP))
@@ -148,7 +148,7 @@ def fit_to_session(
         notes += (Note("far from keyframes", (100 * from_keyframes,)),)
     miss_px = _miss_px(session, points, fit, ps)
     aligned = tuple(frame for frame in reached if frame in posed)
-    return ImportedMotion(fit, known, size, scale, aligned, from_keyframes, miss_px, notes)
+    return ImportedMotion(fit, matches, size, scale, aligned, from_keyframes, miss_px, notes)
 
 
 def pose_draft(
@@ -169,11 +169,11 @@ def pose_draft(
     return Draft(keyframe, len(imported_motion.matched.known), miss_px, converged, doubtful)
 
 
-def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:
-    if len(known.known) < LEAST_JOINTS:
+def _require_joints(matches: Matched, motion: JointMotion, file: str) -> None:
+    if len(matches.known) < LEAST_JOINTS:
         few = ", ".join(motion.names[:SHOWN])
         raise FormatError(
-            f"{file} has {len(motion.names)} joints, such as {few}, of which {len(known.known)} "
+            f"{file} has {len(motion.names)} joints, such as {few}, of which {len(matches.known)} "
             "are known: name their counterparts on the body."
         )
 
@@ -234,8 +234,10 @@ def _best_start(
     count, usual = miss(0)
     if usual < FAR_M:
         return 0
-    found = {start: miss(start) for start in range(1, len(times_s))}
-    enough = {start: away for start, (reached, away) in found.items() if reached >= count / 2}
+    miss_of_start = {start: miss(start) for start in range(1, len(times_s))}
+    enough = {
+        start: away for start, (reached, away) in miss_of_start.items() if reached >= count / 2
+    }
     best = min(enough, key=enough.__getitem__, default=0)
     return best if best and enough[best] < CLEARLY * usual else 0
 
@@ -313,7 +315,7 @@ def _from_keyframes(points: BodyPoints, fit: JointFit, posed: Mapping[int, Pose]
 
 def _miss_px(session: Session, points: BodyPoints, fit: JointFit, ps: Array) -> Array:
     camera, path = session.view.camera, session.film_camera.path_over(fit.trajectory)
-    found = points.at(fit.trajectory.transforms(points.skeleton))
+    ps_fitted = points.at(fit.trajectory.transforms(points.skeleton))
     with np.errstate(invalid="ignore", divide="ignore"):
-        away = np.linalg.norm(camera.project(found) - camera.project(ps), axis=-1)
+        away = np.linalg.norm(camera.project(ps_fitted) - camera.project(ps), axis=-1)
     return np.asarray(np.nanmean(away, axis=-1) * (1.0 if path is None else path.zoom))

@@ -160,10 +160,10 @@ def shown_mask(
     _require_person(session, session.title)
     mask = None if keypoints is None else keypoints.mask(frame)
     if mask is None:
-        found = detected_keypoints(session, video).at(
+        detections = detected_keypoints(session, video).at(
             frame, Skeleton.of(session.subject.body), pose
         )
-        mask = None if found is None else found.mask(frame)
+        mask = None if detections is None else detections.mask(frame)
     if mask is None:
         raise SessionError(f"No person was found at frame {frame}.")
     return session.view.camera.rectify(_alpha(mask, video))

@@ -109,7 +109,7 @@ def motion_files(
     made = sampled(recording, order, kind.own_times)
     contents = kind.contents(made, order)
     names = kind.names if len(contents) == len(kind.names) else (*kind.names, *kind.also)
-    return {name: _bytes(one) for name, one in zip(names, contents, strict=True)}
+    return {name: _bytes(content) for name, content in zip(names, contents, strict=True)}
 
 
 def outdated_files(format_name: MotionFormat, written: Collection[str]) -> list[str]:

@@ -283,7 +283,9 @@ def require_meant(order: MotionOrder, formats: Sequence[MotionFormat]) -> None:
     for name, option in options_of(MotionOrder).items():
         if option.only is None or getattr(order, name) == getattr(MotionOrder(), name):
             continue
-        heeding = [known for known, kind in FORMATS.items() if getattr(kind, option.only)]
+        heeding = [
+            format_name for format_name, kind in FORMATS.items() if getattr(kind, option.only)
+        ]
         if not set(heeding) & set(formats):
             raise FormatError(f"{option.label} is for {listed(heeding)} alone.")
 

@@ -105,5 +105,5 @@ def _scaled_model(markers: str, setup: str) -> bytes | None:
             subprocess.run(command, cwd=place, capture_output=True, timeout=SCALING_S, check=False)
         except (OSError, subprocess.SubprocessError):
             return None
-        found = list(place.glob("*.osim"))
-        return found[0].read_bytes() if found else None
+        models = list(place.glob("*.osim"))
+        return models[0].read_bytes() if models else None

@@ -85,7 +85,7 @@ def _middles(skeleton: Skeleton, places: Sequence[BodyPoint]) -> list[int]:
 def bone_ratios(points: BodyPoints, ps: Array) -> Bones:
     """Compare bones with a file's positions (N, J, 3); tips of limbs only where nothing else is
     known."""
-    found: Bones = {}
+    ratios: Bones = {}
     tips: Bones = {}
     for part in range(points.skeleton.part_count):
         for (j, a), (k, b) in combinations(points.of_part(part), 2):
@@ -95,8 +95,8 @@ def bone_ratios(points: BodyPoints, ps: Array) -> Bones:
             if not len(lengths) or min(ours, float(np.median(lengths))) < 1e-9:
                 continue
             are_joints = not np.any(points.points[j][0][1]) and not np.any(points.points[k][0][1])
-            (found if are_joints else tips)[j, k] = (ours, ours / float(np.median(lengths)))
-    return found or (tips if len(tips) > 1 else {})
+            (ratios if are_joints else tips)[j, k] = (ours, ours / float(np.median(lengths)))
+    return ratios or (tips if len(tips) > 1 else {})
 
 
 def median_ratio(bones: Bones) -> float:
@@ -179,6 +179,6 @@ def _extent(skeleton: Skeleton) -> float:
 
 
 def _is_flat(ps: Array) -> bool:
-    known = ps[np.isfinite(ps).all(-1)]
-    spread = np.linalg.svd(known - known.mean(0), compute_uv=False)
+    known_ps = ps[np.isfinite(ps).all(-1)]
+    spread = np.linalg.svd(known_ps - known_ps.mean(0), compute_uv=False)
     return bool(spread[2] < FLAT * spread[0])

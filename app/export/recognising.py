@@ -130,7 +130,7 @@ def recognise(session: Session, path: Path, video: VideoInfo) -> Recognised:
 
 def _recognised_motion(session: Session, path: Path) -> Recognised:
     motion, individuals = _motion(path)
-    known = matched(Skeleton.of(session.subject.body), motion.names, path.name)
+    matches = matched(Skeleton.of(session.subject.body), motion.names, path.name)
     times_s = motion.times_s
     seconds = None if motion.is_per_frame else float(times_s[-1] - times_s[0])
     facts = {
@@ -142,7 +142,7 @@ def _recognised_motion(session: Session, path: Path) -> Recognised:
         "keyframes": len(session.subject.keyframes),
         "individuals": individuals,
         "notes": note_words(motion.notes),
-        **names_of(known, motion.names),
+        **names_of(matches, motion.names),
     }
     return Recognised("motion", MOTION_READERS[path.suffix.lower()][0], facts)
 
@@ -160,7 +160,7 @@ def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Rec
     except ChoiceError as several:
         layouts = several.choices
         keypoints = keypoints_of(path.name, people, layouts[0], facts_of)
-    known = matched(Skeleton.of(session.subject.body), keypoints.names, path.name)
+    matches = matched(Skeleton.of(session.subject.body), keypoints.names, path.name)
     shown = keypoints.visibility.any(axis=1)
     facts = {
         "frames": int(shown.sum()),
@@ -172,7 +172,7 @@ def _recognised_keypoints(session: Session, path: Path, video: VideoInfo) -> Rec
         "layouts": layouts,
         "every": EVERY,
         "notes": notes,
-        **names_of(known, keypoints.names),
+        **names_of(matches, keypoints.names),
     }
     return Recognised("keypoints", people.program, facts)
 

@@ -204,8 +204,8 @@ def _named(people: People) -> People:
     return replace(people, names=None) if names and all(n.isdecimal() for n in names) else people
 
 
-def _own_names(file: str, file_names: tuple[str, ...], layout: str | None) -> tuple[str, ...]:
-    names = tuple(keypoint_name(name) for name in file_names)
+def _own_names(file: str, names_in_file: tuple[str, ...], layout: str | None) -> tuple[str, ...]:
+    names = tuple(keypoint_name(name) for name in names_in_file)
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise FormatError(f"{file} names the keypoint {twice[0]} twice.")

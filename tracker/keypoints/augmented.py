@@ -89,12 +89,12 @@ class AugmentedNetwork:
         if plain.presence < LEAST_PRESENCE:
             return plain
         varied = self._threads.map(partial(self._look, picture, region), VARIATIONS)
-        looks = [plain, *(_with_sides_of(plain, seen) for seen in varied if _is_finite(seen))]
+        looks = [plain, *(_with_sides_of(plain, look) for look in varied if _is_finite(look))]
         return replace(
             plain,
-            uv=_median([seen.uv for seen in looks]),
-            visibility=_median([seen.visibility for seen in looks]),
-            p_hips=_median([seen.p_hips for seen in looks]),
+            uv=_median([look.uv for look in looks]),
+            visibility=_median([look.visibility for look in looks]),
+            p_hips=_median([look.p_hips for look in looks]),
         )
 
     def _look(self, picture: NDArray[np.uint8], region: Region, varied: Variation) -> Seen:
@@ -116,17 +116,17 @@ def _marked(fingerprint: str) -> str:
     return f"{fingerprint}-{len(VARIATIONS) + 1}-{digest}"
 
 
-def _is_finite(seen: Seen) -> bool:
-    return bool(np.isfinite(seen.uv).all() and np.isfinite(seen.p_hips).all())
+def _is_finite(look: Seen) -> bool:
+    return bool(np.isfinite(look.uv).all() and np.isfinite(look.p_hips).all())
 
 
-def _with_sides_of(plain: Seen, seen: Seen) -> Seen:
+def _with_sides_of(plain: Seen, look: Seen) -> Seen:
     """Set left and right as the plain pass has them."""
-    return min(seen, seen.exchanged(), key=lambda each: _apart(plain, each))
+    return min(look, look.exchanged(), key=lambda each: _apart(plain, each))
 
 
-def _apart(seen: Seen, other: Seen) -> float:
-    return float(np.linalg.norm(seen.uv - other.uv, axis=1).sum())
+def _apart(first: Seen, second: Seen) -> float:
+    return float(np.linalg.norm(first.uv - second.uv, axis=1).sum())
 
 
 def _median(values: list[Array]) -> Array:

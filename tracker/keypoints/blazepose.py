@@ -123,7 +123,7 @@ class BlazePose:
         p[:, 0] *= -1 if mirrored else 1
         p[:, :2] @= region.R_picture_body.T
         share = _sigmoid(mask.reshape(SIDE, SIDE)[:, :: -1 if mirrored else 1].astype(float))
-        seen = Seen(
+        detection = Seen(
             uv[: len(NAMES)],
             _sigmoid(rows[: len(NAMES), 3]),
             p,
@@ -131,7 +131,7 @@ class BlazePose:
             Region.of_circle(uv[_MIDDLE], uv[_RIM]),
             PersonMask.of(region, share),
         )
-        return seen.exchanged() if mirrored else seen
+        return detection.exchanged() if mirrored else detection
 
 
 def fingerprint_of(model: Model) -> str:

@@ -47,9 +47,9 @@ def person_changes(
     """
     ways = [_back_to(max(seeds), keypoints, 1), _back_to(min(seeds), keypoints, -1)]
     changes, done, expected = list[int](), 0, sum(map(len, ways))
-    for way in ways:
+    for numbers in ways:
         again: Rows | None = None
-        for k, number in enumerate(way):
+        for k, number in enumerate(numbers):
             report(done, expected)
             picture, done = frame(number), done + 1
             before = keypoints.uv[number - keypoints.first_frame]
@@ -58,7 +58,7 @@ def person_changes(
                 continue
             again.add(network, picture)
             if _are_apart(before, again):
-                changes.append(max(number, way[k - 1]))
+                changes.append(max(number, numbers[k - 1]))
                 again = None  # goes on with the body as it was followed
     return tuple(sorted(set(changes)))
 
@@ -72,23 +72,23 @@ def _are_apart(before: Array, again: Rows) -> bool:
 def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
     """The frames to look at, from the last one that shows the body in this direction."""
     end = keypoints.last_frame if step > 0 else keypoints.first_frame
-    way: list[int] = []
+    numbers: list[int] = []
     for number in range(at, end + step, step):
         uv = keypoints.uv[number - keypoints.first_frame]
         if not np.isfinite(uv).all():
             continue
-        if way and abs(number - way[-1]) < SELDOM:
-            last = keypoints.uv[way[-1] - keypoints.first_frame]
+        if numbers and abs(number - numbers[-1]) < SELDOM:
+            last = keypoints.uv[numbers[-1] - keypoints.first_frame]
             if _distance(last, uv) < MOVED:
                 continue
-        way.append(number)
-    return way[::-1]
+        numbers.append(number)
+    return numbers[::-1]
 
 
-def _distance(one: Array, other: Array) -> float:
+def _distance(first: Array, second: Array) -> float:
     """The distance of two trunks, of keypoints (33, 2), in sides of the region."""
-    side = np.sqrt(_region(one).side * _region(other).side)
-    return float(np.linalg.norm(one[_TRUNK].mean(axis=0) - other[_TRUNK].mean(axis=0)) / side)
+    side = np.sqrt(_region(first).side * _region(second).side)
+    return float(np.linalg.norm(first[_TRUNK].mean(axis=0) - second[_TRUNK].mean(axis=0)) / side)
 
 
 def _region(uv: Array) -> Region:

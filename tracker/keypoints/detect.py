@@ -112,18 +112,18 @@ class Rows:
 
     def add(self, network: Detector, picture: NDArray[np.uint8] | None) -> None:
         """The next frame; None where it cannot be decoded, or is not to be looked at."""
-        seen = None
+        detection = None
         if picture is not None:
             height, width = picture.shape[:2]
             if self.region.is_within(width, height):
-                seen = network.infer(picture, self.region.rounded(LOOK_PARTS))
-                if not _is_somebody(seen, width, height):
-                    seen = None
-        if seen is None:
+                detection = network.infer(picture, self.region.rounded(LOOK_PARTS))
+                if not _is_somebody(detection, width, height):
+                    detection = None
+        if detection is None:
             self.lost_for += 1
         else:
-            self.region, self.lost_for = seen.next, 0
-        self._seen.append(seen)
+            self.region, self.lost_for = detection.next, 0
+        self._seen.append(detection)
         self._regions.append(self.region)
         self._lost_for.append(self.lost_for)
 
@@ -147,9 +147,11 @@ class Rows:
         )
 
 
-def _is_somebody(seen: Seen, width: int, height: int) -> bool:
-    finite = np.isfinite(seen.uv).all() and np.isfinite(seen.p_hips).all()
-    return bool(finite and seen.presence >= LEAST_PRESENCE and seen.next.is_within(width, height))
+def _is_somebody(detection: Seen, width: int, height: int) -> bool:
+    finite = np.isfinite(detection.uv).all() and np.isfinite(detection.p_hips).all()
+    return bool(
+        finite and detection.presence >= LEAST_PRESENCE and detection.next.is_within(width, height)
+    )
 
 
 def _stack(rows: list[Array], shape: tuple[int, ...]) -> Array:
@@ -239,14 +241,14 @@ def detect(
     starts = [start for start in map(work.start, ordered) if start is not None]
     if not starts:
         raise _nobody(numbers)
-    found = _Found(first, last)
-    found.put(starts[0].frame, -1, work.chain(starts[0], -1, first))
-    for one, other in pairwise(starts):
-        found.between(one.frame, *_both_ways(work, one, other))
-    found.put(starts[-1].frame, 1, work.chain(starts[-1], 1, last))
+    frames_found = _Found(first, last)
+    frames_found.put(starts[0].frame, -1, work.chain(starts[0], -1, first))
+    for start, next_start in pairwise(starts):
+        frames_found.between(start.frame, *_both_ways(work, start, next_start))
+    frames_found.put(starts[-1].frame, 1, work.chain(starts[-1], 1, last))
     for start in starts:
-        found.put(start.frame - 1, 1, start.seen)
-    return _with_means(found.keypoints()) if every_second else found.keypoints()
+        frames_found.put(start.frame - 1, 1, start.seen)
+    return _with_means(frames_found.keypoints()) if every_second else frames_found.keypoints()
 
 
 def _is_between(frame: int) -> bool:
@@ -289,15 +291,15 @@ class _Start:
 
 
 def _both_ways(
-    work: _DetectionRun, start: _Start, other: _Start
+    work: _DetectionRun, start: _Start, next_start: _Start
 ) -> tuple[DetectionWindow, DetectionWindow | None, int]:
     """Forward from one start to the frame of the other; backward, where that is needed, as far as
     the frame of the first, ordered by frame; and the step from which backward is taken."""
-    forward = work.chain(start, 1, other.frame)
-    if not forward.lost_for.any() and _is_near(forward, other):
+    forward = work.chain(start, 1, next_start.frame)
+    if not forward.lost_for.any() and _is_near(forward, next_start):
         return forward, None, 0
-    work.expected += other.frame - start.frame
-    backward = work.chain(other, -1, start.frame)[::-1]
+    work.expected += next_start.frame - start.frame
+    backward = work.chain(next_start, -1, start.frame)[::-1]
     return forward, backward, _change(forward, backward)
 
 

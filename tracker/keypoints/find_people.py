@@ -154,15 +154,15 @@ def _middles(length: int, side: float) -> list[float]:
     return [float(x) for x in np.linspace(side / 2, length - side / 2, count) - 0.5]
 
 
-def people_in_film(seen: Mapping[int, Sequence[FoundPerson]]) -> PeopleInFilm | None:
+def people_in_film(people_of_frame: Mapping[int, Sequence[FoundPerson]]) -> PeopleInFilm | None:
     """Who may be meant, of the people seen at some frames: in the frame with the most people of
     about the tallest one's height in any of them, and of such frames in that with the surest. None
     where there is nobody."""
     large: dict[int, list[FoundPerson]] = {}
     smaller: dict[int, tuple[FoundPerson, ...]] = {}
-    heights = [person.height_px for people in seen.values() for person in people]
+    heights = [person.height_px for people in people_of_frame.values() for person in people]
     tallest = max(heights, default=0.0)
-    for frame, people in seen.items():
+    for frame, people in people_of_frame.items():
         large[frame] = [p for p in people if p.height_px >= AS_LARGE * tallest]
         if rest := tuple(p for p in people if p.height_px < AS_LARGE * tallest):
             smaller[frame] = rest
@@ -197,9 +197,9 @@ def _box_around(uv: Array, width: int, height: int) -> Box | None:
     return left, top, right, bottom
 
 
-def _shared(one: Box, other: Box) -> float:
+def _shared(first: Box, second: Box) -> float:
     """The area that two boxes share, over the smaller one's."""
-    width = min(one[2], other[2]) - max(one[0], other[0])
-    height = min(one[3], other[3]) - max(one[1], other[1])
-    least = min((b[2] - b[0]) * (b[3] - b[1]) for b in (one, other))
+    width = min(first[2], second[2]) - max(first[0], second[0])
+    height = min(first[3], second[3]) - max(first[1], second[1])
+    least = min((b[2] - b[0]) * (b[3] - b[1]) for b in (first, second))
     return max(width, 0.0) * max(height, 0.0) / least

@@ -103,8 +103,8 @@ def _peaks(rows: Array) -> Array:
     inner = np.clip(peak, 1, rows.shape[1] - 2)
     before, top, after = (rows[each, inner + step] for step in (-1, 0, 1))
     bend = before - 2 * top + after
-    found = np.divide(before - after, 2 * bend, out=np.zeros(len(rows)), where=bend < 0)
-    return np.asarray(peak + np.where(peak == inner, found, 0.0))
+    offset = np.divide(before - after, 2 * bend, out=np.zeros(len(rows)), where=bend < 0)
+    return np.asarray(peak + np.where(peak == inner, offset, 0.0))
 
 
 _LEAST_SCORE: Final = 0.1

@@ -87,8 +87,8 @@ class JointNetwork:
 
 def _in_picture(xy: Array, confidence: Array, to_picture: Array) -> SeenJoints:
     """Joints (K, 2) of the input, moved to the picture."""
-    known = np.where(np.isfinite(confidence)[:, None], xy, np.nan)
-    return SeenJoints(known @ to_picture[:, :2].T + to_picture[:, 2], confidence)
+    known_xy = np.where(np.isfinite(confidence)[:, None], xy, np.nan)
+    return SeenJoints(known_xy @ to_picture[:, :2].T + to_picture[:, 2], confidence)
 
 
 def open_heads(
@@ -102,8 +102,8 @@ def open_heads(
     return open_runtime(file, content, heads.outputs, fast=needs_fast or fast)
 
 
-def needs_onnx_runtime(what: str) -> KeypointError:
+def needs_onnx_runtime(network_name: str) -> KeypointError:
     """What is said where ONNX Runtime alone can run a network, and is not here."""
     return KeypointError(
-        f"{what} needs ONNX Runtime, which is not installed: run `pip install onnxruntime`."
+        f"{network_name} needs ONNX Runtime, which is not installed: run `pip install onnxruntime`."
     )

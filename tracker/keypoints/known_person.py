@@ -73,9 +73,9 @@ def _found(heads: JointHeads, runtime: Runtime) -> int:
     nobody = Model("", "", "0" * 64, 0.0, bundled=False, heads=heads)
     network = JointNetwork(nobody, heads, runtime)
     uv = network.infer(_picture(), REGION).uv
-    known = _joints()
-    at = [list(network.names).index(name) for name in known]
-    away = np.linalg.norm(uv[at] - np.array(list(known.values())), axis=1)
+    uv_of_joint = _joints()
+    at = [list(network.names).index(name) for name in uv_of_joint]
+    away = np.linalg.norm(uv[at] - np.array(list(uv_of_joint.values())), axis=1)
     return int((away <= FOUND * HEIGHT_PX).sum())
 
 
@@ -90,5 +90,5 @@ def _picture() -> NDArray[np.uint8]:
 def _joints() -> dict[str, Array]:
     """Pixels (2,) of COCO's 17 joints by name, as the bundled network sees them."""
     network = JointNetwork.open(THUNDER, fast=False)
-    seen: Sequence[Array] = list(network.infer(_picture(), REGION).uv)
-    return dict(zip(network.names, seen, strict=True))
+    uv: Sequence[Array] = list(network.infer(_picture(), REGION).uv)
+    return dict(zip(network.names, uv, strict=True))

@@ -70,13 +70,13 @@ def layouts_of(count: int) -> tuple[str, ...]:
     return tuple(layout for layout, names in LAYOUTS.items() if len(names) == count)
 
 
-def keypoint_name(given: str) -> str:
+def keypoint_name(name_in_file: str) -> str:
     """A name as a file writes it, LKnee or "Left Knee", in lower snake case: left_knee.
 
     What stands before a colon, as in `mixamorig:`, goes.
     """
-    given = given.rsplit(":", 1)[-1]
-    return _KNOWN.get(_plain(given)) or snake(given) or given
+    name_in_file = name_in_file.rsplit(":", 1)[-1]
+    return _KNOWN.get(_plain(name_in_file)) or snake(name_in_file) or name_in_file
 
 
 def _plain(name: str) -> str:

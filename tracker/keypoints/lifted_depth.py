@@ -64,11 +64,11 @@ class DepthLifter:
         if up is not None and up.ndim == 2:
             up = up[rows]
         with _LIFTING:
-            found = lifted(keypoints, self.camera, self.times_s[rows], up)
-        at = [found.names.index(name) for name in JOINTS]
-        axes = self._axes(found.hips)
-        p = np.einsum("nij,nkj->nki", axes, size_m * found.p_hips[:, at])
-        sigma_m = size_m * found.sigma[:, at, 1]
+            lifted_joints = lifted(keypoints, self.camera, self.times_s[rows], up)
+        at = [lifted_joints.names.index(name) for name in JOINTS]
+        axes = self._axes(lifted_joints.hips)
+        p = np.einsum("nij,nkj->nki", axes, size_m * lifted_joints.p_hips[:, at])
+        sigma_m = size_m * lifted_joints.sigma[:, at, 1]
         return _with_joints(keypoints, p, sigma_m)
 
     def _axes(self, hips: Array) -> Array:
@@ -128,9 +128,9 @@ def _with_joints(keypoints: Keypoints, p_joints: Array, sigma_m: Array) -> Keypo
     for k, name in enumerate(names):
         carriers = [JOINTS.index(joint) for joint in _carriers(name)]
         p[:, k] += moved[:, carriers].mean(axis=1)
-    known = np.asarray(np.isfinite(p_joints).all(axis=-1))
-    p[:, at] = np.where(known[..., None], p_joints, own[:, at])
-    sigma[:, at] = np.where(known, sigma_m, np.nan)
+    is_known = np.asarray(np.isfinite(p_joints).all(axis=-1))
+    p[:, at] = np.where(is_known[..., None], p_joints, own[:, at])
+    sigma[:, at] = np.where(is_known, sigma_m, np.nan)
     return replace(keypoints, p_hips=p, depth_sigma_m=sigma)
 
 

@@ -128,9 +128,9 @@ def lifted(
             np.empty((0, 16, 2)),
             np.empty((0, 2)),
         )
-    xy, seen = _points(keypoints, camera)
-    hips = _hips(xy, seen, times)
-    seen &= np.isfinite(hips).all(axis=1, keepdims=True)
+    xy, is_seen = _points(keypoints, camera)
+    hips = _hips(xy, is_seen, times)
+    is_seen &= np.isfinite(hips).all(axis=1, keepdims=True)
     Rs_turned_camera = turns(hips)
     if camera.telephoto_distance_m is not None:  # lines of sight are parallel
         Rs_turned_camera, xy = np.broadcast_to(np.eye(3), (len(times), 3, 3)), xy - hips[:, None]
@@ -139,10 +139,10 @@ def lifted(
     up = _ups(up_camera, Rs_turned_camera)
     p_hips = np.full((len(times), len(LIFTED), 3), np.nan)
     sigma = np.full((len(times), len(LIFTED), 2), np.nan)
-    known = np.nonzero(seen.sum(axis=1) >= LEAST_POINTS)[0]
-    for first in range(0, len(known), _MOST_AT_ONCE):
-        frames = known[first : first + _MOST_AT_ONCE]
-        p_turned, sigma[frames] = both_ways(*_windows(xy, seen, times, frames), up[frames])
+    enough = np.nonzero(is_seen.sum(axis=1) >= LEAST_POINTS)[0]
+    for first in range(0, len(enough), _MOST_AT_ONCE):
+        frames = enough[first : first + _MOST_AT_ONCE]
+        p_turned, sigma[frames] = both_ways(*_windows(xy, is_seen, times, frames), up[frames])
         p_hips[frames] = p_turned @ Rs_turned_camera[frames]
     return Lifted(keypoints.first_frame, LIFTED, p_hips, sigma, hips)
 
@@ -168,10 +168,10 @@ def _points(keypoints: Keypoints, camera: Camera) -> tuple[Array, NDArray[np.boo
     return xy, np.isfinite(xy).all(axis=2)
 
 
-def _hips(xy: Array, seen: NDArray[np.bool_], times: Array) -> Array:
+def _hips(xy: Array, is_seen: NDArray[np.bool_], times: Array) -> Array:
     """The middle of the hips (N, 2), interpolated where one is unseen; NaN far from where both
     are seen."""
-    both = seen[:, HIPS].all(axis=1)
+    both = is_seen[:, HIPS].all(axis=1)
     middle = np.asarray(xy[:, HIPS].mean(axis=1))
     if not both.any():
         return middle
@@ -200,14 +200,14 @@ def turned(xy: Array, R_turned_camera: Array) -> Array:
 
 
 def _windows(
-    xy: Array, seen: NDArray[np.bool_], times: Array, frames: NDArray[np.intp]
+    xy: Array, is_seen: NDArray[np.bool_], times: Array, frames: NDArray[np.intp]
 ) -> tuple[Array, NDArray[np.bool_]]:
     """What is seen (F, 9, 15, 2) around each of F frames, and which of it is."""
     moments = times[frames, None] + OFFSETS_S
     points = np.zeros((*moments.shape, len(POINTS), 2))
     shown = np.zeros(points.shape[:-1], np.bool_)
     for k in range(len(POINTS)):
-        at, places = times[seen[:, k]], xy[seen[:, k], k]
+        at, places = times[is_seen[:, k]], xy[is_seen[:, k], k]
         if not len(at):
             continue
         after = np.searchsorted(at, moments - _SAME_S)
@@ -248,7 +248,7 @@ def encoded(points: Array, shown: NDArray[np.bool_], up: Array) -> Tensor:
     xy = points.astype(np.float32) * weight[..., None]
     count = np.maximum(weight.sum(axis=(1, 2)), 1.0)
     size = np.sqrt(np.maximum((xy**2).sum(axis=(1, 2, 3)) / count, 1e-8))
-    known = np.linalg.norm(up, axis=1, keepdims=True) > 0
+    has_up = np.linalg.norm(up, axis=1, keepdims=True) > 0
     rows = len(points)
     return np.concatenate(
         [
@@ -256,7 +256,7 @@ def encoded(points: Array, shown: NDArray[np.bool_], up: Array) -> Tensor:
             weight.reshape(rows, -1),
             np.log(size)[:, None] + _LOG_SCALE,
             up,
-            known,
+            has_up,
         ],
         axis=1,
         dtype=np.float32,
@@ -273,11 +273,11 @@ def decoded(inputs: Tensor, outputs: Tensor) -> tuple[Array, Array]:
     """Joints (N, 16, 3) in body sizes, in turned axes, and their deviation (N, 16, 2) across the
     line of sight and along it; of outputs (N, 81)."""
     each = outputs[:, :-1].reshape(len(outputs), len(LIFTED), 5).astype(np.float64)
-    seen = inputs[:, _SEEN_NOW].reshape(len(inputs), len(POINTS), 2)
-    neck = seen[:, _SHOULDERS].mean(axis=1, keepdims=True)
+    uv_now = inputs[:, _SEEN_NOW].reshape(len(inputs), len(POINTS), 2)
+    neck = uv_now[:, _SHOULDERS].mean(axis=1, keepdims=True)
     scale = _ACROSS * np.exp(np.clip(outputs[:, -1:, None], -2, 2))
     p = each[..., :3].copy()
-    p[..., :2] += np.concatenate([seen, neck], axis=1) * scale
+    p[..., :2] += np.concatenate([uv_now, neck], axis=1) * scale
     # Laplace's scale times the root of 2 is the standard deviation
     sigma = np.sqrt(2) * np.exp(np.clip(each[..., 3:], _LEAST, _MOST) + _LOG_SIGMA)
     return p, sigma

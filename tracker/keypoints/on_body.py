@@ -65,11 +65,11 @@ def foot_ends(body: Body, names: Sequence[str]) -> PointsOnBody:
 def _points(
     body: Body, names: Sequence[str], place_of: Callable[[Body, str], tuple[int, Point] | None]
 ) -> PointsOnBody:
-    found = [(index, *at) for index, name in enumerate(names) if (at := place_of(body, name))]
+    located = [(index, *at) for index, name in enumerate(names) if (at := place_of(body, name))]
     return PointsOnBody(
-        np.array([index for index, _, _ in found], dtype=np.int64),
-        np.array([part for _, part, _ in found], dtype=np.int64),
-        np.array([point for _, _, point in found], dtype=np.float64).reshape(-1, 3),
+        np.array([index for index, _, _ in located], dtype=np.int64),
+        np.array([part for _, part, _ in located], dtype=np.int64),
+        np.array([point for _, _, point in located], dtype=np.float64).reshape(-1, 3),
     )
 
 

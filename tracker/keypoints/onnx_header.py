@@ -107,14 +107,14 @@ def read_nodes(content: bytes) -> tuple[list[Node], int]:
         if number == _SETS:
             of = dict(_fields(_message(value)))
             domain = _text(_message(of.get(_SET_DOMAIN, memoryview(b""))))
-            found = of.get(_SET_VERSION, 1)
-            if domain in ("", "ai.onnx") and isinstance(found, int):
-                version = found
+            set_version = of.get(_SET_VERSION, 1)
+            if domain in ("", "ai.onnx") and isinstance(set_version, int):
+                version = set_version
     return list(_nodes(_last(whole, _GRAPH), {})), version
 
 
-def _nodes(graph: memoryview, known: Mapping[str, Constant]) -> Iterator[Node]:
-    constants = dict(known)
+def _nodes(graph: memoryview, outer_constants: Mapping[str, Constant]) -> Iterator[Node]:
+    constants = dict(outer_constants)
     for number, value in _fields(graph):
         if number == _WEIGHTS:
             array = _message(value)
@@ -167,24 +167,24 @@ def _constant(array: memoryview) -> Constant:
 
 
 def _last_or_none(message: memoryview, wanted: int) -> memoryview | None:
-    found = _last(message, wanted)
-    return found if len(found) else None
+    field = _last(message, wanted)
+    return field if len(field) else None
 
 
 def _numbers(message: memoryview, wanted: int) -> tuple[int, ...]:
     """Whole numbers of a field, one by one or packed."""
-    found: list[int] = []
+    numbers: list[int] = []
     for number, value in _fields(message):
         if number != wanted:
             continue
         if isinstance(value, int):
-            found.append(_signed(value))
+            numbers.append(_signed(value))
             continue
         at = 0
         while at < len(value):
             packed, at = _varint(value, at)
-            found.append(_signed(packed))
-    return tuple(found)
+            numbers.append(_signed(packed))
+    return tuple(numbers)
 
 
 def _signed(value: int) -> int:
@@ -205,8 +205,8 @@ def _shape(value: memoryview) -> Shape | None:
 
 def _last(message: memoryview, wanted: int) -> memoryview:
     """A field that is itself a message or text; empty where it is left out."""
-    found = [_message(value) for number, value in _fields(message) if number == wanted]
-    return found[-1] if found else memoryview(b"")
+    messages = [_message(value) for number, value in _fields(message) if number == wanted]
+    return messages[-1] if messages else memoryview(b"")
 
 
 def _message(value: int | memoryview) -> memoryview:

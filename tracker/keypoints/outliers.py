@@ -35,29 +35,29 @@ TRUNK: Final = ("left_shoulder", "right_shoulder", "left_hip", "right_hip")
 
 def excursions(
     uv: Array,
-    known: NDArray[np.bool_],
+    is_known: NDArray[np.bool_],
     height_px: float,
     names: Sequence[str] = (),
     p_hips: Array | None = None,
 ) -> NDArray[np.bool_]:
     """(N, K) of keypoints in consecutive frames which are for a few of them elsewhere.
 
-    uv (N, K, 2): pixels, those that are not `known` of any value.  height_px: of the body.
+    uv (N, K, 2): pixels, those that are not `is_known` of any value.  height_px: of the body.
     names, p_hips (N, K, 3): of the keypoints, and where they are in space, NaN where unknown.
     """
-    found = np.zeros(known.shape, np.bool_)
+    is_outlier = np.zeros(is_known.shape, np.bool_)
     straight = None if p_hips is None else trunk_straightness(names, p_hips)
     trunk = [k for k, name in enumerate(names) if name in TRUNK]
-    places = np.where(known[..., None], uv, np.nan) / height_px
-    for k in range(known.shape[1]):
+    places = np.where(is_known[..., None], uv, np.nan) / height_px
+    for k in range(is_known.shape[1]):
         for away in _excursions(places[:, k]):
             if not _is_there_and_back(places[:, k : k + 1], away):
                 continue
             run, along = slice(away.before + 1, away.after), _goes_along(places, away)
             if along[trunk].any() and _sides_are_right(straight, away):
                 continue
-            found[run] |= known[run] & along
-    return found
+            is_outlier[run] |= is_known[run] & along
+    return is_outlier
 
 
 @dataclass(frozen=True)

@@ -69,39 +69,41 @@ class PairedNetwork:
         self._joints = joints
         self.fingerprint = paired_fingerprint(blazepose.fingerprint, joints.fingerprint)
         self._thread = ThreadPoolExecutor(1)
-        known = {name: name for name in JOINTS if name in joints.names}
-        self._at, self._from = _places(known, joints.names)
+        own_names = {name: name for name in JOINTS if name in joints.names}
+        self._at, self._from = _places(own_names, joints.names)
         ends = {
             f"{side}_{end}": f"{side}_{its}"
             for side in ("left", "right")
             for end, its in ENDS.items()
         }
         self._ends_at, self._ends_from = _places(ends, joints.names)
-        self._down = down_trunk(list(known))
+        self._down = down_trunk(list(own_names))
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
         """The keypoints of the person in a region of a picture (H, W, 3), RGB."""
-        other = self._thread.submit(self._joints.infer, picture, region)
+        pending = self._thread.submit(self._joints.infer, picture, region)
         try:
-            seen = self.plain.infer(picture, region)
+            detection = self.plain.infer(picture, region)
         finally:
-            joints = other.result()
-        if seen.presence < LEAST_PRESENCE or not np.isfinite(seen.uv).all():
-            return seen
+            joints = pending.result()
+        if detection.presence < LEAST_PRESENCE or not np.isfinite(detection.uv).all():
+            return detection
         uv = joints.uv[self._from]
         if not np.isfinite(uv).all():
-            return seen
+            return detection
         trust = self._trust(joints.confidence[self._from])
         if trust > 0.5:
-            seen = min(seen, seen.exchanged(), key=lambda each: _distance(each.uv[self._at], uv))
-        trunk = seen.uv[_SHOULDERS].mean(axis=0) - seen.uv[_HIPS].mean(axis=0)
+            detection = min(
+                detection, detection.exchanged(), key=lambda each: _distance(each.uv[self._at], uv)
+            )
+        trunk = detection.uv[_SHOULDERS].mean(axis=0) - detection.uv[_HIPS].mean(axis=0)
         uv = uv - self._down[:, None] * trunk
-        both = seen.uv.copy()
-        both[self._at] = weighted_mean(uv, seen.uv[self._at], APART * region.side, trust)
+        both = detection.uv.copy()
+        both[self._at] = weighted_mean(uv, detection.uv[self._at], APART * region.side, trust)
         ends = joints.uv[self._ends_from]
         sure = (joints.confidence[self._ends_from] >= SURE) & np.isfinite(ends).all(axis=1)
         both[self._ends_at[sure]] = ends[sure]
-        return replace(seen, uv=both)
+        return replace(detection, uv=both)
 
     def _trust(self, confidence: Array) -> float:
         """How far the joints are believed, from 0 to 1."""
@@ -129,8 +131,11 @@ def down_trunk(names: Sequence[str]) -> Array:
 
 def _places(names: Mapping[str, str], of: Sequence[str]) -> tuple[Indices, Indices]:
     """Where points are among BlazePose's, and where the same are among others."""
-    known = {name: its for name, its in names.items() if its in of}
-    at, there = [NAMES.index(name) for name in known], [of.index(its) for its in known.values()]
+    common_names = {name: its for name, its in names.items() if its in of}
+    at, there = (
+        [NAMES.index(name) for name in common_names],
+        [of.index(its) for its in common_names.values()],
+    )
     return np.array(at, dtype=np.int64), np.array(there, dtype=np.int64)
 
 
@@ -145,5 +150,5 @@ _HIPS = [NAMES.index(f"{side}_hip") for side in ("left", "right")]
 _SHOULDERS = [NAMES.index(f"{side}_shoulder") for side in ("left", "right")]
 
 
-def _distance(one: Array, other: Array) -> float:
-    return float(np.linalg.norm(one - other, axis=1).sum())
+def _distance(first: Array, second: Array) -> float:
+    return float(np.linalg.norm(first - second, axis=1).sum())

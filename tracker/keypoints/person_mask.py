@@ -45,11 +45,14 @@ class PersonMask:
         up = (np.sin(region.turn_rad), -np.cos(region.turn_rad))
         ends = np.array([region.x, region.y]) + np.outer([0.0, 0.5 * region.side], up)
         (x, y), top = steady.pixels(ends, frame)
-        way = top - (x, y)
+        to_top = top - (x, y)
         return replace(
             self,
             region=Region(
-                float(x), float(y), 2 * float(np.hypot(*way)), float(np.arctan2(way[0], -way[1]))
+                float(x),
+                float(y),
+                2 * float(np.hypot(*to_top)),
+                float(np.arctan2(to_top[0], -to_top[1])),
             ),
         )
 

@@ -42,11 +42,11 @@ def recognised_layout(layouts: Sequence[str], uv: Array) -> str | None:
     if len(layouts) == 1:
         return layouts[0]
     lengths = {layout: _limb_lengths(layout, uv) for layout in layouts}
-    if min(int(np.isfinite(one).sum()) for one in lengths.values()) < LEAST_LIMBS:
+    if min(int(np.isfinite(limb_lengths).sum()) for limb_lengths in lengths.values()) < LEAST_LIMBS:
         return None
-    facts = np.array([_implausibilities(one) for one in lengths.values()])
-    known = np.isfinite(facts).all(0)
-    total = facts[:, known].sum(1)
+    facts = np.array([_implausibilities(limb_lengths) for limb_lengths in lengths.values()])
+    is_known = np.isfinite(facts).all(0)
+    total = facts[:, is_known].sum(1)
     best, next_best = np.argsort(total)[:2]
     return layouts[best] if total[best] < CLEARLY * total[next_best] else None
 
@@ -65,11 +65,11 @@ def _limb_lengths(layout: str, uv: Array) -> Array:
 
 def _spread(uv: Array) -> Array:
     """(N,) root mean square distance of a frame's keypoints from their middle, NaN without two."""
-    seen = np.asarray(np.isfinite(uv).all(-1))
-    count = np.maximum(seen.sum(1), 1)
-    known = np.where(seen[..., None], uv, 0.0)
-    middle = known.sum(1) / count[:, None]
-    away = np.where(seen, ((known - middle[:, None]) ** 2).sum(-1), 0.0)
+    is_known = np.asarray(np.isfinite(uv).all(-1))
+    count = np.maximum(is_known.sum(1), 1)
+    known_uv = np.where(is_known[..., None], uv, 0.0)
+    middle = known_uv.sum(1) / count[:, None]
+    away = np.where(is_known, ((known_uv - middle[:, None]) ** 2).sum(-1), 0.0)
     spread = np.sqrt(away.sum(1) / count)
     return np.where(spread > 0, spread, np.nan)
 
@@ -84,5 +84,5 @@ def _implausibilities(lengths: Array) -> tuple[float, float, float]:
 
 
 def _mean(values: Array) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if len(known) else np.nan
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else np.nan

@@ -70,10 +70,10 @@ def _run_blank(runtime: Runtime, heads: JointHeads, source: str) -> list[Tensor]
 
 
 def _with_layout(
-    heads: JointHeads, found: Sequence[Tensor], content: bytes, source: str
+    heads: JointHeads, head_outputs: Sequence[Tensor], content: bytes, source: str
 ) -> JointHeads:
     """The same with the order of its joints, by how many there are."""
-    shapes = [output.shape for output in found]
+    shapes = [output.shape for output in head_outputs]
     count = _count(heads, shapes)
     if count is None:
         inputs = read_signature(content).inputs
@@ -81,9 +81,9 @@ def _with_layout(
         raise _other(source, Signature(inputs, outputs))
     layout = next((name for name in _LAYOUTS if len(LAYOUTS[name]) == count), None)
     if layout is None:
-        what = "a hand alone" if count == _OF_A_HAND else f"{count} joints"
+        subject = "a hand alone" if count == _OF_A_HAND else f"{count} joints"
         raise KeypointError(
-            f"{source} is a network of {what}: only those of a whole person are read, with 17 "
+            f"{source} is a network of {subject}: only those of a whole person are read, with 17 "
             "(COCO), 26 (Halpe) or 133 joints (COCO-WholeBody)."
         )
     return JointHeads.model_validate({**heads.model_dump(), "layout": layout})
@@ -95,13 +95,13 @@ def _differ_on_noise(file: str, content: bytes, heads: JointHeads) -> bool:
     shown = prepared(heads, levels.astype(np.float32))
     expected = open_runtime(file, content, heads.outputs, fast=True).run(shown)
     try:
-        found = open_runtime(file, content, heads.outputs, fast=False).run(shown)
+        answers = open_runtime(file, content, heads.outputs, fast=False).run(shown)
     except Exception:  # noqa: BLE001  then only the other one runs it, which is what is asked
         return True
     return not all(
         mine.shape == theirs.shape
         and np.allclose(mine, theirs, rtol=ALIKE, atol=ALIKE * _range(theirs))
-        for mine, theirs in zip(found, expected, strict=True)
+        for mine, theirs in zip(answers, expected, strict=True)
     )
 
 
@@ -187,7 +187,7 @@ def _count(heads: JointHeads, shapes: Sequence[tuple[int, ...]]) -> int | None:
 
 
 def _other(source: str, signature: Signature) -> KeypointError:
-    known = listed(
+    readable = listed(
         [
             f"{kind.title} ({listed(kind.outputs) or 'one output, a map for each joint'})"
             for kind in KINDS.values()
@@ -195,8 +195,8 @@ def _other(source: str, signature: Signature) -> KeypointError:
     )
     return KeypointError(
         f"{source} has the input {_shown(signature.inputs)} and the output "
-        f"{_shown(signature.outputs)}: read are {known}, with one float32 picture of fixed size as "
-        "their input."
+        f"{_shown(signature.outputs)}: read are {readable}, with one float32 picture of fixed size "
+        "as their input."
     )
 
 

@@ -81,8 +81,8 @@ class Region:
         """
         turn = 0.0 if upward is None else float(np.arctan2(upward[0], -upward[1]))
         upright = _turn(-turn)
-        seen = (uv @ upright.T)[np.isfinite(uv).all(axis=1)]
-        low, high = seen.min(axis=0), seen.max(axis=0)
+        upright_uv = (uv @ upright.T)[np.isfinite(uv).all(axis=1)]
+        low, high = upright_uv.min(axis=0), upright_uv.max(axis=0)
         around = cls._around(*low.tolist(), *high.tolist())
         x, y = upright.T @ (around.x, around.y)
         return cls(float(x), float(y), around.side, turn)

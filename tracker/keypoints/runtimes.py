@@ -63,8 +63,8 @@ def open_runtime(
     try:
         return kind(suffix, content, tuple(outputs))
     except Exception as error:  # noqa: BLE001  ONNX Runtime's have no other base
-        what = f"The network {file!r}"
-        raise cannot_run(what, runtime_name(suffix, fast), error) from None
+        network = f"The network {file!r}"
+        raise cannot_run(network, runtime_name(suffix, fast), error) from None
 
 
 def cannot_run(network: str, runtime: str, error: Exception) -> KeypointError:
@@ -72,8 +72,8 @@ def cannot_run(network: str, runtime: str, error: Exception) -> KeypointError:
     said = getattr(error, "err", "") or str(error).strip() or type(error).__name__
     why = said.splitlines()[0].rpartition("error: ")[2]
     is_fast = runtime.startswith(tuple(_FAST.values()))
-    other = "" if is_fast else " (what `pip install onnxruntime` installs may run it)"
-    return KeypointError(f"{network} cannot be run by {runtime}{other}: {why}")
+    advice = "" if is_fast else " (what `pip install onnxruntime` installs may run it)"
+    return KeypointError(f"{network} cannot be run by {runtime}{advice}: {why}")
 
 
 def fast_is_here(suffix: str) -> bool:
@@ -105,8 +105,8 @@ class _OpenCV:
     def run(self, image: Tensor) -> list[Tensor]:
         with _one_thread():
             self._net.setInput(image[None])
-            found: list[Tensor] = self._net.forward(self._outputs)
-        return found
+            outputs: list[Tensor] = self._net.forward(self._outputs)
+        return outputs
 
 
 class _LiteRT:
@@ -142,8 +142,8 @@ class _OnnxRuntime:
         self.name = runtime_name(ONNX, fast=True)
 
     def run(self, image: Tensor) -> list[Tensor]:
-        found: list[Tensor] = self._net.run(self._outputs, {self._input: image[None]})
-        return found
+        outputs: list[Tensor] = self._net.run(self._outputs, {self._input: image[None]})
+        return outputs
 
 
 _HEARING: Final = threading.Lock()

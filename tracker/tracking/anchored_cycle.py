@@ -126,11 +126,14 @@ def track_anchored(
             ends.append(measured_by_keypoints(correction, alone.trajectory, len(tried) - 1))
             continue
         of_anchors: list[Candidate] = []
-        for start, known in ((alone, None), *((way, followed) for way in begun.ways[:1])):
+        for start, first_measured in (
+            (alone, None),
+            *((start_way, followed) for start_way in begun.ways[:1]),
+        ):
             if is_sound(scene, segment, start.trajectory):
                 drifting = replace(correction, drift_scale=scale)
                 before = of_anchors[0] if of_anchors else None
-                ended = yield from cycle(drifting, method, start, tried, known, before)
+                ended = yield from cycle(drifting, method, start, tried, first_measured, before)
                 of_anchors = [ended] if ended.met else [*of_anchors, ended]
         ends += of_anchors
     if followed is not None and _is_misled(followed, ends):
@@ -185,13 +188,13 @@ def cycle(
     method: Keypose,
     start: Pass,
     tried: list[Pass],
-    known: Measured | None = None,
+    first_measured: Measured | None = None,
     before: Candidate | None = None,
 ) -> Generator[Pass, None, Candidate]:
     """All passes from one start, which are put into `tried` one by one. The first one is led by the
     keypoints of each frame, which reach far; the others by steadied ones.
 
-    known: what the pictures say of the start, where that was asked.
+    first_measured: what the pictures say of the start, where that was asked.
     before: where the cycle led from another start. Where this one meets it, it would go the same
         way, and that one comes back.
 
@@ -199,14 +202,14 @@ def cycle(
     compare with.
     """
     free, segment = correction.scene, correction.segment
-    led, met = yield from _passes(correction, method, start, tried, known, before)
-    present, what = (led[-1], "pass") if led else (start.trajectory, start.what)
+    led, met = yield from _passes(correction, method, start, tried, first_measured, before)
+    present, pass_name = (led[-1], "pass") if led else (start.trajectory, start.what)
     if before is not None and met is not None:
-        tried.append(Pass(what, present, None))
+        tried.append(Pass(pass_name, present, None))
         yield tried[-1]
         return replace(before, met=(*before.met, met))
     measured = _measure(free, segment, method, present)
-    tried.append(Pass(what, present, measured.score))
+    tried.append(Pass(pass_name, present, measured.score))
     yield tried[-1]
     refined = present
     if not correction.open_end:
@@ -227,23 +230,23 @@ def _passes(
     method: Keypose,
     start: Pass,
     tried: list[Pass],
-    known: Measured | None,
+    first_measured: Measured | None,
     before: Candidate | None,
 ) -> Generator[Pass, None, tuple[tuple[Trajectory, ...], Meeting | None]]:
     """Where the passes lead one after another, the start not counted, until they meet another
     start's or lead out of sight; and where they meet."""
     free, segment = correction.scene, correction.segment
-    present, what, led = start.trajectory, start.what, list[Trajectory]()
+    present, pass_name, led = start.trajectory, start.what, list[Trajectory]()
     for turn in range(method.passes):
-        first = known if turn == 0 else None
+        first = first_measured if turn == 0 else None
         measured = first or _measure(free, segment, method, present)
-        tried.append(Pass(what, present, measured.score))
+        tried.append(Pass(pass_name, present, measured.score))
         yield tried[-1]
         steady = _steadied(correction, present, IN_PASSES) if turn else correction
         following = steady.solve(present, measured.steps, Cauchy())
         if not is_sound(free, segment, following):
             break
-        present, what = following, "pass"
+        present, pass_name = following, "pass"
         led.append(present)
         if before is not None and (met := _meeting(free, present, before)) is not None:
             return tuple(led), met

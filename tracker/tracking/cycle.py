@@ -89,14 +89,14 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
     tried: list[Pass] = []
     diverged, drift, gap = False, _zeros_px(scene, present)[1:], 0.0
     for number in range(method.passes + 1):
-        what = "pass" if number else start
+        pass_name = "pass" if number else start
         if number == method.passes:
-            tried.append(Pass(what, present, printed_score(scene, segment.clip, present)))
+            tried.append(Pass(pass_name, present, printed_score(scene, segment.clip, present)))
             yield tried[-1]
             break
         motions, score = least_squares_pass(scene, segment.clip, present, method.inner)
         drift = drift_px(scene, present, motions)
-        tried.append(Pass(what, present, score))
+        tried.append(Pass(pass_name, present, score))
         yield tried[-1]
         if number - best_of(tried) >= method.patience:
             break
@@ -115,21 +115,21 @@ def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -
     # the better, the later; what is known of the motion excludes those that lead elsewhere
     tried = others[::-1] if segment.own is None else []
     yield from tried
-    present, what = first.trajectory, first.what
+    present, pass_name = first.trajectory, first.what
     drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
         motions, score = robust_pass(scene, clip, present, method.stride, method.inner, method.stop)
         drift = drift_px(scene, present, motions)
-        tried.append(Pass(what, present, score))
+        tried.append(Pass(pass_name, present, score))
         yield tried[-1]
         following = _correct(scene, segment, present, motions)
         if following is None:
             diverged = True
             break
-        present, what, gap = following.trajectory, "pass", following.gap
+        present, pass_name, gap = following.trajectory, "pass", following.gap
     if present is not tried[-1].trajectory:
         last_score = capped_score(scene, clip, present, method.stride) if method.judged else None
-        tried.append(Pass(what, present, last_score))
+        tried.append(Pass(pass_name, present, last_score))
         yield tried[-1]
     best = best_of(tried)
     refined = _refine(scene, segment, method, tried[best])

@@ -32,9 +32,9 @@ class PerClip(Generic[Found]):
             if key in kept:
                 kept.move_to_end(key)
                 return kept[key]
-        found = find()
+        value = find()
         with self._lock:
-            kept[key] = found
+            kept[key] = value
             while len(kept) > self._most:
                 kept.popitem(last=False)
-        return found
+        return value

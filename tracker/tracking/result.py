@@ -138,11 +138,13 @@ class Diagnostics:
         """Pieces, each from its own first frame on; unknown between them."""
         arrays = {}
         for column in COLUMNS:
-            known = [(at, rows) for at, piece in pieces if (rows := piece.rows(column)) is not None]
-            if known or not column.optional:
+            present = [
+                (at, rows) for at, piece in pieces if (rows := piece.rows(column)) is not None
+            ]
+            if present or not column.optional:
                 shape = column.shape(frames, parts, dofs)
                 arrays[column.name] = side_by_side(
-                    known, shape[0], shape[1:], column.unknown, column.dtype
+                    present, shape[0], shape[1:], column.unknown, column.dtype
                 )
         return cls(**arrays)
 
@@ -180,7 +182,7 @@ def _every_row_has_a_value(rows: NDArray[Any]) -> bool:
     return bool(np.isfinite(rows).reshape(len(rows), -1).any(axis=1).all())
 
 
-COLUMNS = tuple(Column.of(one) for one in fields(Diagnostics))
+COLUMNS = tuple(Column.of(each) for each in fields(Diagnostics))
 
 
 @dataclass(frozen=True, eq=False)

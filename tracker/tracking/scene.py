@@ -100,9 +100,13 @@ class Scene:
 
         shown: pictures (h, w, 4) and the pose that each shows.  lens: of their window.
         """
-        seen = np.array([self._seen(picture, lens, pose, TARGET_ONLY) for picture, pose in shown])
+        on_target = np.array(
+            [self._seen(picture, lens, pose, TARGET_ONLY) for picture, pose in shown]
+        )
         used = np.array([self._seen(picture, lens, pose, USABLE) for picture, pose in shown])
-        stood = (used < STOOD_SHARE * seen).all(axis=0) & (seen >= FEWEST_STOOD).all(axis=0)
+        stood = (used < STOOD_SHARE * on_target).all(axis=0) & (on_target >= FEWEST_STOOD).all(
+            axis=0
+        )
         least = np.where(stood, np.float32(TARGET_ONLY), np.float32(USABLE))
         return replace(self, arrays=self.arrays._replace(least=least))
 
@@ -148,13 +152,13 @@ class Scene:
 
         return self._kept(trajectory, "uv", seen)
 
-    def _kept(self, trajectory: Trajectory, what: str, find: Callable[[], Array]) -> Array:
+    def _kept(self, trajectory: Trajectory, quantity: str, find: Callable[[], Array]) -> Array:
         """What was found of a trajectory before, while that is in use."""
-        known = self._of_trajectories.setdefault(trajectory, {})
-        if what not in known:
-            known[what] = find()
-            known[what].setflags(write=False)
-        return known[what]
+        of_trajectory = self._of_trajectories.setdefault(trajectory, {})
+        if quantity not in of_trajectory:
+            of_trajectory[quantity] = find()
+            of_trajectory[quantity].setflags(write=False)
+        return of_trajectory[quantity]
 
     def point_pixels(self, trajectory: Trajectory, part: int, p_part: Array) -> Array:
         """Where a point of a part is seen in every pose: (N, 2) pixels."""

@@ -282,8 +282,8 @@ class Tracker:
         inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
         if not inside:
             return whole
-        known = self._kept.get(self._kind(span, settings)) is not None
-        return (0 if known else whole) + expected_limb_steps(self.skeleton, inside, whole)
+        is_kept = self._kept.get(self._kind(span, settings)) is not None
+        return (0 if is_kept else whole) + expected_limb_steps(self.skeleton, inside, whole)
 
     def _kind(self, span: tuple[int, int], settings: TrackSettings) -> Kind:
         return self._keys.get(span, ""), settings.quality, settings.model_dump_json()
@@ -327,8 +327,10 @@ class Tracker:
             except StopIteration as done:
                 outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
                 if self._uses_silhouette(settings):
-                    seen = silhouette_mismatch(scene, segment.clip, outcome.trajectory, outlines)
-                    outcome = replace(outcome, silhouette=seen)
+                    mismatch = silhouette_mismatch(
+                        scene, segment.clip, outcome.trajectory, outlines
+                    )
+                    outcome = replace(outcome, silhouette=mismatch)
                 if outcome.joints is None and self._uses_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
                 result = segment_result(scene, segment, outcome, method, enlarged)
@@ -342,14 +344,14 @@ class Tracker:
             return None
         first, last = span
         inside = self._times_s[first : last + 1]
-        found = np.full((len(inside), self.skeleton.part_count), np.inf)
+        to_posed_s = np.full((len(inside), self.skeleton.part_count), np.inf)
         whole = np.arange(self.skeleton.part_count)
         posed = [(frame, whole) for frame in span if frame not in self._drafted]
         limbs = [(key.frame, key.parts) for key in self._keyed_parts if first < key.frame < last]
         for frame, parts in (*posed, *limbs):
             away = np.abs(inside - self._times_s[frame])
-            found[:, parts] = np.minimum(found[:, parts], away[:, None])
-        return found
+            to_posed_s[:, parts] = np.minimum(to_posed_s[:, parts], away[:, None])
+        return to_posed_s
 
     def _corrected_work(
         self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit

@@ -98,10 +98,10 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
     if not fitting:
         return
     root = subject.session.subject.body.parts[0]
-    known = root_positions(fitting, count)
+    positions = root_positions(fitting, count)
     places = dict(zip(AXES, ("right", "down", "away"), strict=True))
     yield from _multiple(
-        subject, f"{part_label(root.name)}, metres", known, first, places, LEAST_MOTION_M, " m"
+        subject, f"{part_label(root.name)}, metres", positions, first, places, LEAST_MOTION_M, " m"
     )
     for i, part in enumerate(subject.session.subject.body.parts):
         Rs = rotations(fitting, count, i)
@@ -146,10 +146,10 @@ def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
     table = observability(fitting, count, len(body.parts))
     for label, parts in lanes(body):
         columns = table[:, [body.index(part) for part in parts]]
-        known = np.isfinite(columns).any(axis=0)
-        if not known.any():
+        has_values = np.isfinite(columns).any(axis=0)
+        if not has_values.any():
             continue
-        values = _together(columns[:, known])
+        values = _together(columns[:, has_values])
         hidden = _hidden(values, first, scale)
         least = float(np.nanmin(values))
         drawn = drawing(
@@ -164,8 +164,8 @@ def _together(columns: Array) -> Array:
     """Half the mean, half the worst: a limb whose hand is hidden is not seen well."""
     values = np.full(len(columns), np.nan)
     there = np.isfinite(columns).any(axis=1)
-    known = columns[there]
-    values[there] = (np.nanmean(known, axis=1) + np.nanmin(known, axis=1)) / 2
+    known_columns = columns[there]
+    values[there] = (np.nanmean(known_columns, axis=1) + np.nanmin(known_columns, axis=1)) / 2
     return values
 
 
@@ -284,8 +284,8 @@ class Line:
 
     def dots(self, scale: Scale) -> str:
         at = (frame for frame in self.dots_at if 0 <= frame - self.first < len(self.values))
-        known = ((frame, float(self.values[frame - self.first])) for frame in at)
-        return dots((scale.x(x), scale.y(y)) for x, y in known if math.isfinite(y))
+        values_at = ((frame, float(self.values[frame - self.first])) for frame in at)
+        return dots((scale.x(x), scale.y(y)) for x, y in values_at if math.isfinite(y))
 
 
 def line_chart(
@@ -308,7 +308,7 @@ def line_chart(
     drawn = drawing(
         path(f"M0 {scale.y(0.0):.1f}H1000", "zero") if has_zero else None,
         *(path(uprights(at, scale), style) for style, at in uprights_at.items()),
-        *(piece for one in lines for piece in one.drawn(scale)),
+        *(piece for drawn_line in lines for piece in drawn_line.drawn(scale)),
         *(path(line.dots(scale), f"dots {line.style}") for line in lines),
         words=words,
     )
@@ -320,8 +320,8 @@ def line_chart(
 
 
 def _span_of(values: Array) -> float:
-    known = values[np.isfinite(values)]
-    return float(np.ptp(known)) if len(known) else 0.0
+    finite = values[np.isfinite(values)]
+    return float(np.ptp(finite)) if len(finite) else 0.0
 
 
 def _shifted(subject: Subject) -> tuple[dict[Span, SegmentResult], int, int]:

@@ -44,7 +44,7 @@ def derivatives_section(subject: Subject) -> Child:
         return None
     title = element("h2", "Speed and acceleration")
     try:
-        found = derivatives(subject)
+        ends = derivatives(subject)
     except FormatError as error:
         return element("section", title, element("p", str(error), class_="quiet"))
     words = (
@@ -52,18 +52,18 @@ def derivatives_section(subject: Subject) -> Child:
         "without delay, 3 dB down there); the poses themselves are not filtered. Along the view "
         "they are the least certain."
     )
-    charts = element("div", *_charts(subject, found), class_="cols")
-    return element("section", title, element("p", words, class_="quiet"), _figures(found), charts)
+    charts = element("div", *_charts(subject, ends), class_="cols")
+    return element("section", title, element("p", words, class_="quiet"), _figures(ends), charts)
 
 
 def derivatives(subject: Subject) -> list[Derivatives]:
     """Differentiate the root and every end of a limb. FormatError where the film has too few
     frames.
     """
-    found = recording_of(subject)
-    if found is None:
+    recorded = recording_of(subject)
+    if recorded is None:
         return []
-    recording = low_passed(found.evened, FILTER_HZ)
+    recording = low_passed(recorded.evened, FILTER_HZ)
     ps, dt = recording.ps_camera_joint, 1 / recording.frames_per_second
     velocity, acceleration = np.full(ps.shape, np.nan), np.full(ps.shape, np.nan)
     velocity[1:-1] = (ps[2:] - ps[:-2]) / (2 * dt)
@@ -89,28 +89,30 @@ def _ends(recording: Recording) -> list[int]:
     return [0, *(i for i in ends if i)][:MOST_PARTS]
 
 
-def _figures(found: list[Derivatives]) -> Html:
+def _figures(ends: list[Derivatives]) -> Html:
     head = ("Joint", "Peak speed, m/s", "Peak acceleration, m/s²", "RMS acceleration, m/s²")
-    rows = [_row(one) for one in found]
+    rows = [_row(end) for end in ends]
     return element("div", table(head, rows, (1, 2, 3)), class_="scroll")
 
 
-def _row(one: Derivatives) -> list[Child]:
-    known = one.acceleration[np.isfinite(one.acceleration)]
-    rms = float(np.sqrt(np.square(known).mean())) if len(known) else np.nan
-    numbers = (figure(_peak(one.speed), 2), figure(_peak(known), 1), figure(rms, 1))
+def _row(end: Derivatives) -> list[Child]:
+    known_acceleration = end.acceleration[np.isfinite(end.acceleration)]
+    rms = (
+        float(np.sqrt(np.square(known_acceleration).mean())) if len(known_acceleration) else np.nan
+    )
+    numbers = (figure(_peak(end.speed), 2), figure(_peak(known_acceleration), 1), figure(rms, 1))
     return [
-        element("th", part_label(one.part), scope="row"),
+        element("th", part_label(end.part), scope="row"),
         *(element("td", number, class_="num") for number in numbers),
     ]
 
 
 def _peak(values: Array) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if len(known) else np.nan
+    finite = values[np.isfinite(values)]
+    return float(finite.max()) if len(finite) else np.nan
 
 
-def _charts(subject: Subject, found: list[Derivatives]) -> Iterator[Html]:
-    for one in found:
-        if np.isfinite(one.speed).any():
-            yield single_chart(subject, f"{part_label(one.part)}, m/s", one.speed, one.first)
+def _charts(subject: Subject, ends: list[Derivatives]) -> Iterator[Html]:
+    for end in ends:
+        if np.isfinite(end.speed).any():
+            yield single_chart(subject, f"{part_label(end.part)}, m/s", end.speed, end.first)

@@ -73,10 +73,10 @@ def clinical_charts(subject: Subject, recording: Recording) -> list[Html]:
     return [chart for row in rows for chart in _charts(subject, recording, row)]
 
 
-def rows_of(found: Sequence[JointAngles]) -> list[Row]:
+def rows_of(measured: Sequence[JointAngles]) -> list[Row]:
     """The joints, left and right together."""
     rows: dict[str, dict[str, JointAngles]] = {}
-    for joint_angles in found:
+    for joint_angles in measured:
         side, _, rest = joint_angles.joint.name.partition("_")
         name, side = (rest, side) if rest else (side, "middle")
         rows.setdefault(name, {})[side] = joint_angles
@@ -85,8 +85,8 @@ def rows_of(found: Sequence[JointAngles]) -> list[Row]:
 
 def chart_range(values: Sequence[Array]) -> tuple[float, float]:
     """Lowest and highest value with 0 between them, not too near to each other."""
-    low = min(0.0, *(float(np.nanmin(one)) for one in values))
-    high = max(0.0, *(float(np.nanmax(one)) for one in values))
+    low = min(0.0, *(float(np.nanmin(series)) for series in values))
+    high = max(0.0, *(float(np.nanmax(series)) for series in values))
     short = max(0.0, LEAST_HEIGHT_DEG - (high - low)) / 2
     return low - short, high + short
 
@@ -143,19 +143,23 @@ CYCLE_WORDS = (
 )
 
 _COLUMNS: tuple[tuple[str, Callable[[Stride], float | None], int], ...] = (
-    ("Time, s", lambda one: one.time_s, 2),
-    ("Length, m", lambda one: one.length_m, 2),
-    ("Step length, m", lambda one: one.step_length_m, 2),
-    ("Step width, m", lambda one: one.step_width_m, 2),
-    ("Speed, m/s", lambda one: one.speed_m_s, 2),
-    ("Cadence, steps/min", lambda one: one.cadence, 0),
-    ("Stance, %", lambda one: None if one.stance_share is None else 100 * one.stance_share, 0),
+    ("Time, s", lambda stride: stride.time_s, 2),
+    ("Length, m", lambda stride: stride.length_m, 2),
+    ("Step length, m", lambda stride: stride.step_length_m, 2),
+    ("Step width, m", lambda stride: stride.step_width_m, 2),
+    ("Speed, m/s", lambda stride: stride.speed_m_s, 2),
+    ("Cadence, steps/min", lambda stride: stride.cadence, 0),
+    (
+        "Stance, %",
+        lambda stride: None if stride.stance_share is None else 100 * stride.stance_share,
+        0,
+    ),
 )
 
 _LARGE: tuple[tuple[Callable[[Stride], float | None], int, str, str], ...] = (
-    (lambda one: one.speed_m_s, 2, "m/s", "speed"),
-    (lambda one: one.cadence, 0, "/min", "steps"),
-    (lambda one: one.length_m, 2, "m", "stride length"),
+    (lambda stride: stride.speed_m_s, 2, "m/s", "speed"),
+    (lambda stride: stride.cadence, 0, "/min", "steps"),
+    (lambda stride: stride.length_m, 2, "m", "stride length"),
     (_COLUMNS[-1][1], 0, "%", "stance"),
 )
 
@@ -189,9 +193,9 @@ def _tiles(strides: Sequence[Stride]) -> Html:
     """The mean over both feet in large figures."""
     tiles = [tile(str(len(strides)), "stride" if len(strides) == 1 else "strides")]
     for value_of, digits, unit, words in _LARGE:
-        known = [value for stride in strides if (value := value_of(stride)) is not None]
-        if known:
-            tiles.append(tile(f"{number_text(float(np.mean(known)), digits)} {unit}", words))
+        known_values = [value for stride in strides if (value := value_of(stride)) is not None]
+        if known_values:
+            tiles.append(tile(f"{number_text(float(np.mean(known_values)), digits)} {unit}", words))
     return element("div", *tiles, class_="tiles")
 
 
@@ -199,9 +203,11 @@ def strides_table(gait: Gait) -> Html:
     """Every stride, and below the mean and standard deviation of each foot."""
     head = ("Foot", "Heel strikes", "Toe off", *(name for name, _, _ in _COLUMNS))
     offs = {(s.part, s.heel_strike): s.toe_off for s in gait.stances}
-    rows = [_row(one, offs.get((one.part, one.first_frame))) for one in gait.strides]
+    rows = [_row(each, offs.get((each.part, each.first_frame))) for each in gait.strides]
     feet = list(dict.fromkeys(stride.part for stride in gait.strides))
-    rows += [_mean_row([one for one in gait.strides if one.part == foot]) for foot in sorted(feet)]
+    rows += [
+        _mean_row([each for each in gait.strides if each.part == foot]) for foot in sorted(feet)
+    ]
     return table(head, rows, tuple(range(1, len(head))))
 
 
@@ -218,10 +224,10 @@ def _mean_row(strides: Sequence[Stride]) -> list[Child]:
     cells: list[Child] = [_foot(strides[0].part, f", mean of {len(strides)}")]
     cells += [element("td", class_="num"), element("td", class_="num")]
     for _, value_of, digits in _COLUMNS:
-        known = [value for stride in strides if (value := value_of(stride)) is not None]
-        words = figure(float(np.mean(known)) if known else np.nan, digits)
-        if len(known) > 1:
-            words += f" ± {number_text(float(np.std(known, ddof=1)), digits)}"
+        known_values = [value for stride in strides if (value := value_of(stride)) is not None]
+        words = figure(float(np.mean(known_values)) if known_values else np.nan, digits)
+        if len(known_values) > 1:
+            words += f" ± {number_text(float(np.std(known_values, ddof=1)), digits)}"
         cells.append(element("td", words, class_="num mean"))
     return cells
 
@@ -268,10 +274,10 @@ def _cycles(recording: Recording, gait: Gait) -> Iterator[Html]:
         angle = angles[f"left_{name}"].joint.angles[0]
         cycles = {
             side: [
-                one
+                cycle
                 for stride in gait.strides
                 if stride.part == f"{side}_foot"
-                and (one := _cycle(recording, angles[f"{side}_{name}"].angles_deg[:, 0], stride))
+                and (cycle := _cycle(recording, angles[f"{side}_{name}"].angles_deg[:, 0], stride))
                 is not None
             ]
             for side in ("left", "right")
@@ -292,15 +298,15 @@ def _cycle(recording: Recording, values: Array, stride: Stride) -> Array | None:
 
 
 def _cycle_chart(name: str, angle: Angle, cycles: dict[str, list[Array]], gait: Gait) -> Html:
-    low, high = chart_range([one for side in cycles.values() for one in side])
+    low, high = chart_range([cycle for side in cycles.values() for cycle in side])
     lines: list[Line] = []
     toes_leave: dict[str, Sequence[float]] = {}
     for side, strides in cycles.items():
         shares = [s.stance_share for s in gait.strides if s.part == f"{side}_foot"]
-        known = [share for share in shares if share is not None]
-        if known:
-            toes_leave[f"off {side}"] = [100 * float(np.mean(known))]
-        lines += [Line(one, f"thin {side}") for one in strides]
+        known_shares = [share for share in shares if share is not None]
+        if known_shares:
+            toes_leave[f"off {side}"] = [100 * float(np.mean(known_shares))]
+        lines += [Line(cycle, f"thin {side}") for cycle in strides]
         if strides:
             lines.append(Line(np.mean(strides, axis=0), side))
     return line_chart(

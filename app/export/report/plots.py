@@ -58,18 +58,18 @@ class PlotColumn:
 def runs(values: Array, first: int) -> list[list[PlotColumn]]:
     """Values (N,) from frame `first` on as runs without gaps, thinned to MOST_COLUMNS."""
     each = max(1, -(-len(values) // MOST_COLUMNS))
-    found: list[list[PlotColumn]] = [[]]
+    plot_runs: list[list[PlotColumn]] = [[]]
     for start in range(0, len(values), each):
-        known = values[start : start + each]
-        known = known[np.isfinite(known)]
-        if not len(known):
-            found.append([])
+        finite = values[start : start + each]
+        finite = finite[np.isfinite(finite)]
+        if not len(finite):
+            plot_runs.append([])
             continue
         end = min(start + each, len(values)) - 1
-        found[-1].append(
-            PlotColumn(first + start, first + end, float(known.min()), float(known.max()))
+        plot_runs[-1].append(
+            PlotColumn(first + start, first + end, float(finite.min()), float(finite.max()))
         )
-    return [run for run in found if run]
+    return [run for run in plot_runs if run]
 
 
 def curve(values: Array, first: int, scale: Scale) -> str:

@@ -246,9 +246,11 @@ def _summary(subject: Subject) -> list[str]:
     advice = f"{_sentence(next_.title)} {_sentence(next_.detail)}".strip()
     if not subject.spans:
         return [advice]
-    found = Counter(subject.states.values())
+    count_of_state = Counter(subject.states.values())
     counts = ", ".join(
-        f"{found[state]} {words}" for state, words in _STATES.items() if found[state]
+        f"{count_of_state[state]} {words}"
+        for state, words in _STATES.items()
+        if count_of_state[state]
     )
     count = len(subject.spans)
     outcome = f"{count} segment{'s' if count > 1 else ''}: {counts}."
@@ -256,7 +258,7 @@ def _summary(subject: Subject) -> list[str]:
         return [outcome, advice]
     interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
     reviewed = answers_words(
-        [one for one in judged_segments.reviewed if judged_segments.counts(one)]
+        [each for each in judged_segments.reviewed if judged_segments.counts(each)]
     )
     return [f"{outcome} {interval}", advice, *([reviewed] if reviewed else [])]
 
@@ -272,11 +274,11 @@ _STATES: Mapping[State, str] = {
 
 def _tiles(subject: Subject) -> Html:
     """The outcome in large figures."""
-    found = Counter(subject.states.values())
+    count_of_state = Counter(subject.states.values())
     tiles = [
-        tile(str(found[state]), element("span", words, class_=f"verdict {state}"))
+        tile(str(count_of_state[state]), element("span", words, class_=f"verdict {state}"))
         for state, words in STATE_WORDS.items()
-        if found[state]
+        if count_of_state[state]
     ]
     tiles.append(tile(str(len(subject.keys)), "keyframes"))
     if len(subject.keys) > 1:
@@ -293,12 +295,12 @@ def _tiles(subject: Subject) -> Html:
 
 def _doubtful(subject: Subject) -> list[tuple[Span, int]]:
     """Segments to check or lost, the lost ones first, with the frame to look at."""
-    found = []
+    doubtful = []
     for span, track in subject.fitting.items():
         if track.kind in ("check", "lost"):
             go = track.go if track.go is not None else sum(span) // 2
-            found.append((track.kind != "lost", span, go))
-    return [(span, go) for _, span, go in sorted(found)]
+            doubtful.append((track.kind != "lost", span, go))
+    return [(span, go) for _, span, go in sorted(doubtful)]
 
 
 def _closer_look(subject: Subject, video: Video, span: Span, go: int) -> Html:
@@ -338,8 +340,8 @@ def _evenly(frames: tuple[int, ...], most: int) -> tuple[int, ...]:
     return tuple(frames[round(i * (len(frames) - 1) / (most - 1))] for i in range(most))
 
 
-def _left_out(count: int, what: str) -> str:
-    return f" {count} more {what} are left out here." if count > 0 else ""
+def _left_out(count: int, rows_name: str) -> str:
+    return f" {count} more {rows_name} are left out here." if count > 0 else ""
 
 
 def _scrolling(table: Html) -> Html:

@@ -27,8 +27,8 @@ def figure(value: float, digits: int) -> str:
 
 def best_score(track: SegmentResult) -> float:
     """The score of the pass that was kept; NaN where a file names one that is not there."""
-    known = 0 <= track.best_pass < len(track.scores)
-    return track.scores[track.best_pass] if known else math.nan
+    has_score = 0 <= track.best_pass < len(track.scores)
+    return track.scores[track.best_pass] if has_score else math.nan
 
 
 @dataclass(frozen=True)

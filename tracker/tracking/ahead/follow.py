@@ -63,9 +63,9 @@ class DirectedFrames:
         damaged = frozenset(abs(n - self.frame) for n in clip.damaged if first <= n <= last)
         return _Steps(clip, damaged, slots)
 
-    def keypoints(self, found: Keypoints, steps: int) -> Keypoints:
+    def keypoints(self, detections: Keypoints, steps: int) -> Keypoints:
         """The keypoints of so many steps, by step."""
-        over = found.over(*self.span(steps))
+        over = detections.over(*self.span(steps))
         rows = slice(None, None, self.sign)
         depth = None if over.p_hips is None else over.p_hips[rows]
         by_hand = None if over.by_hand is None else over.by_hand[rows]

@@ -80,9 +80,9 @@ def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> ForwardPas
     for step in steps:
         back = follow(scene, segment.clip, motion.pose(step), step, 0, *how)
         missed.append(_missed(scene, motion, back))
-    at, known = np.array([0, *steps]), np.array(missed)
+    at, misses = np.array([0, *steps]), np.array(missed)
     every = np.arange(len(motion))
-    error = np.stack([np.interp(every, at, known[:, p]) for p in range(parts)], axis=-1)
+    error = np.stack([np.interp(every, at, misses[:, p]) for p in range(parts)], axis=-1)
     error = MISSED * error + UNSEEN * _unseen(scene, chain)[: len(motion)]
     return ForwardPass(motion, error, MOST_BY_BRIGHTNESS)
 

@@ -37,8 +37,8 @@ def occluded_fraction(scene: Scene, pose: Pose, part: int) -> tuple[float, int |
     uv = np.round(camera.project(p_camera[near])).astype(int)
     inside = ((uv >= 0) & (uv < np.array([camera.width, camera.height]))).all(axis=-1)
     u, v = uv[inside].T
-    seen = raster(BodyMesh.of(skeleton), Ts, ViewCamera.of(camera)).part[v, u]
-    covering = seen[(seen >= 0) & (seen != part)]
+    shown = raster(BodyMesh.of(skeleton), Ts, ViewCamera.of(camera)).part[v, u]
+    covering = shown[(shown >= 0) & (shown != part)]
     outside = int((~inside).sum())
     behind = int(np.bincount(covering).argmax()) if len(covering) > outside else None
     return (len(covering) + outside) / len(uv), behind
@@ -64,8 +64,8 @@ class Stopped:
 
 def pictures_end(clip: Clip) -> Stopped | None:
     """Where the pictures themselves end a motion; None where they do not. clip: by step."""
-    found = [*_bare(_damaged(clip), "damaged"), *_bare(_cut(clip), "cut")]
-    return min(found, key=lambda each: each.step, default=None)
+    stops = [*_bare(_damaged(clip), "damaged"), *_bare(_cut(clip), "cut")]
+    return min(stops, key=lambda each: each.step, default=None)
 
 
 def stopped(scene: Scene, followed: ForwardPass, *, is_last: bool) -> Stopped | None:
@@ -74,8 +74,8 @@ def stopped(scene: Scene, followed: ForwardPass, *, is_last: bool) -> Stopped | 
     is_last: nothing is followed beyond it. A doubt that has only begun counts then, which may else
     pass again.
     """
-    found = [*_bare(_leaves(scene, followed), "left_picture"), *_doubted(scene, followed, is_last)]
-    return min(found, key=lambda each: each.step, default=None)
+    stops = [*_bare(_leaves(scene, followed), "left_picture"), *_doubted(scene, followed, is_last)]
+    return min(stops, key=lambda each: each.step, default=None)
 
 
 def _bare(first_bad: int | None, cause: StopCause) -> Iterator[Stopped]:

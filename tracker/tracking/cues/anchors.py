@@ -98,16 +98,16 @@ class Anchors:
         """About the poses of these frames, or of one. kernel: of the distances in the picture;
         what a person set is never taken for a detector's mistake."""
         uv = self.uv[frames]
-        found: list[Term] = [
+        anchor_terms: list[Term] = [
             PointsInPicture(self.points, camera, uv, self.scale[frames], NEAREST_M, kernel)
         ]
         if self.by_hand[frames].any():
             exact = self.by_hand[frames]
-            found.append(PointsInPicture(self.joints, camera, uv, exact, NEAREST_M, SQUARED))
+            anchor_terms.append(PointsInPicture(self.joints, camera, uv, exact, NEAREST_M, SQUARED))
         depth, scale = self.depth[frames], self.depth_scale[frames]
         if scale.any():
-            found.append(DepthFromRoot(self.points, depth, scale, Huber()))
-        return tuple(found)
+            anchor_terms.append(DepthFromRoot(self.points, depth, scale, Huber()))
+        return tuple(anchor_terms)
 
     def where(self, Ts_camera_part: Array) -> Array:
         """(N, K, 3) where the points are that are compared with `uv`."""
@@ -164,21 +164,23 @@ def anchors_of(
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
         return ()
-    seen = _undistorted(keypoints.over(segment.first_frame, segment.last_frame), scene, camera)
+    detected = _undistorted(keypoints.over(segment.first_frame, segment.last_frame), scene, camera)
     height = height_px(scene.skeleton, scene.camera, segment.start)
     keyed = {0: segment.start}
     if not open_end:
-        keyed[len(seen) - 1] = segment.end
+        keyed[len(detected) - 1] = segment.end
     places = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
     if followed is not None:
         where = BodyPoints.single(scene.skeleton, parts, points)
         uv = image_points(scene.camera, where.at(followed.transforms(scene.skeleton)))
         places = dict(enumerate(uv)) | places
-    swapped = exchanged_sides(seen, index, places, height)
-    candidates = [seen] if swapped is None else [seen, swapped]
-    found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
+    swapped = exchanged_sides(detected, index, places, height)
+    candidates = [detected] if swapped is None else [detected, swapped]
+    anchors_by_sides = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
     return tuple(
-        replace(anchors, exchanged=k > 0) for k, anchors in enumerate(found) if anchors is not None
+        replace(anchors, exchanged=k > 0)
+        for k, anchors in enumerate(anchors_by_sides)
+        if anchors is not None
     )
 
 
@@ -206,7 +208,7 @@ def keyframe_off_person(
 def frame_anchors(
     scene: Scene,
     camera: Camera,
-    seen: Keypoints,
+    detected: Keypoints,
     pose: Pose,
     keyed: Sequence[tuple[Pose, Keypoints]],
     kernel: Kernel,
@@ -216,7 +218,7 @@ def frame_anchors(
     keyed: other frames' poses and keypoints, which show where on its part a detector puts a joint.
     The poses also show which side is which.
     """
-    index, parts, points = points_on_body(scene.skeleton.body, seen.names)
+    index, parts, points = points_on_body(scene.skeleton.body, detected.names)
     if len(index) < FEWEST:
         return None
     height = height_px(scene.skeleton, scene.camera, pose)
@@ -227,19 +229,19 @@ def frame_anchors(
         places = {0: _places(scene, posed, parts, points)}
         own = exchanged_sides(own, index, places, height) or own
         uv, visibility = own.uv[0, index], own.visibility[0, index]
-        known = np.isfinite(uv).all(axis=-1)
-        scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
-        return np.where(known[:, None], uv, 0.0), scale
+        is_known = np.isfinite(uv).all(axis=-1)
+        scale = np.where(is_known, 1 / _sigma_px(height, visibility), 0.0)
+        return np.where(is_known[:, None], uv, 0.0), scale
 
-    uv, scale = read(seen, pose)
+    uv, scale = read(detected, pose)
     miss = np.linalg.norm(_places(scene, pose, parts, points) - uv, axis=-1)[scale > 0]
     if len(miss) < FEWEST or np.median(miss) > OTHER_PERSON * height:
         return None
-    loose = np.array([seen.names[k] in FACE for k in index])
+    loose = np.array([detected.names[k] in FACE for k in index])
     sigma_m = np.where(loose, FACE_ON_PART_M, ON_PART_BY_EYE_M)
     if keyed:
         read_keyed = [read(keypoints, posed) for posed, keypoints in keyed]
-        seen_uv, sure = (np.stack(some) for some in zip(*read_keyed, strict=True))
+        seen_uv, sure = (np.stack(arrays) for arrays in zip(*read_keyed, strict=True))
         poses = [posed for posed, _ in keyed]
         points = points + _offsets(scene, parts, points, sigma_m, poses, seen_uv, sure)
     where = BodyPoints.single(scene.skeleton, parts, points)
@@ -274,21 +276,21 @@ def _anchors(
 ) -> Anchors | None:
     """None where they lie on another body than the one posed, or where no keyframe shows it."""
     uv = keypoints.uv[:, index]
-    known = np.asarray(np.isfinite(uv).all(axis=-1))
-    by_hand = known & (False if keypoints.by_hand is None else keypoints.by_hand[:, index])
-    detected = known & ~by_hand
+    is_known = np.asarray(np.isfinite(uv).all(axis=-1))
+    by_hand = is_known & (False if keypoints.by_hand is None else keypoints.by_hand[:, index])
+    detected = is_known & ~by_hand
     p_hips = None if keypoints.p_hips is None else keypoints.p_hips[:, index]
     names = [keypoints.names[k] for k in index]
-    jumped = detected & excursions(uv, known, height, names, p_hips)  # depth stays with its side
-    visibility = np.where(known & ~jumped, keypoints.visibility[:, index], 0.0)
-    compared = [n for n in keyed if known[n].sum() >= FEWEST]
+    jumped = detected & excursions(uv, is_known, height, names, p_hips)  # depth stays with its side
+    visibility = np.where(is_known & ~jumped, keypoints.visibility[:, index], 0.0)
+    compared = [n for n in keyed if is_known[n].sum() >= FEWEST]
     miss = [
         np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
     ]
     if not compared or any(np.nanmedian(away) > OTHER_PERSON * height for away in miss):
         return None
     scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
-    uv = np.where(known[..., None], uv, 0.0)
+    uv = np.where(is_known[..., None], uv, 0.0)
     at_keys = list(keyed)
     loose = np.array([name in FACE for name in names])
     sigma_m = np.where(loose, FACE_ON_PART_M, ON_PART_M)
@@ -345,12 +347,12 @@ def _offsets(
     """
     A = np.eye(3) / sigma_m[:, None, None] ** 2
     b = np.zeros((len(parts), 3))
-    for pose, seen, sure in zip(poses, uv, scale, strict=True):
+    for pose, observed_uv, sure in zip(poses, uv, scale, strict=True):
         posed = Posed.of(scene.skeleton, pose)
         p = posed.points(parts, points)
         R = posed.Ts_camera_part[parts, :3, :3]
         J = image_jacobian(scene.camera, p, np.swapaxes(R, -1, -2))  # (K, 3, 2)
-        r = (image_points(scene.camera, p) - seen) * sure[:, None]
+        r = (image_points(scene.camera, p) - observed_uv) * sure[:, None]
         near = np.minimum(1.0, FAR_SIGMA / np.maximum(np.linalg.norm(r, axis=-1), 1e-9))
         J = J * sure[:, None, None]
         A += J @ np.swapaxes(J, -1, -2)
@@ -378,6 +380,6 @@ def _depths(
     missing = np.where(np.isfinite(missing), missing, missing[::-1])  # one keyframe may not show it
     share = np.linspace(0.0, 1.0, len(z))[:, None]
     depth = z + (1 - share) * missing[0] + share * missing[1]
-    known, own_m = np.isfinite(depth), _sigmas_m(keypoints, index)
+    is_known, own_m = np.isfinite(depth), _sigmas_m(keypoints, index)
     sigma_m = np.where(np.isfinite(own_m), np.maximum(own_m, LEAST_DEPTH_M), KEYPOINT_DEPTH_M)
-    return np.where(known, depth, 0.0), np.where(known, 1 / sigma_m, 0.0)
+    return np.where(is_known, depth, 0.0), np.where(is_known, 1 / sigma_m, 0.0)

@@ -46,11 +46,11 @@ class Weights(NamedTuple):
 
     def median(self, apart: Array, drift: Array, away: Array) -> Array:
         """The median of the error of joints, as a share of the height, of any shape."""
-        found = self.base + self.by_apart * np.log(apart + LEAST)
-        found = found + self.by_drift * np.log(drift + LEAST_DRIFT)
-        found = found + self.by_away * np.log(away + 1)
-        under = np.minimum(found - np.log(self.floor), 0.0)
-        return np.asarray(np.exp(found - (1 - self.below) * under))
+        log_error = self.base + self.by_apart * np.log(apart + LEAST)
+        log_error = log_error + self.by_drift * np.log(drift + LEAST_DRIFT)
+        log_error = log_error + self.by_away * np.log(away + 1)
+        under = np.minimum(log_error - np.log(self.floor), 0.0)
+        return np.asarray(np.exp(log_error - (1 - self.below) * under))
 
 
 FITTED: Final = Weights(1.74, 0.584, 0.700, 0.180, 0.00415, 0.147)
@@ -167,15 +167,15 @@ class JointEvidence:
         """(N, P) shares of the height by which the farther of a foot's heel and toe is expected to
         be off; NaN for parts that are no feet. Feet follow shins: where they are seen elsewhere,
         they are."""
-        found = np.full((len(self.distance), parts), np.nan)
+        errors = np.full((len(self.distance), parts), np.nan)
         if self.foot_distance is None or self.foot_parts is None:
-            return found
+            return errors
         for part, distance in zip(self.foot_parts, self.foot_distance.T, strict=True):
             near = _median_near(distance)
             beyond = np.sqrt(np.maximum(near**2 - FOOT_OWN**2, 0.0))
             beyond[list(self.keyed)] *= 0.0  # what was not seen stays unknown
-            found[:, part] = np.fmax(found[:, part], beyond)
-        return found
+            errors[:, part] = np.fmax(errors[:, part], beyond)
+        return errors
 
     def expected_depth_m(self, parts: int, to_posed_s: Array | None = None) -> Array | None:
         """(N, P) metres along the view by which a part's worst joint is expected to be off, the
@@ -191,18 +191,18 @@ class JointEvidence:
         median_m = MEDIAN_OF_SIGMA * self.depth_sigma_m
         beyond = np.maximum(median_m / USUAL_M, 1.0)
         median_m = median_m * beyond ** (SPREAD - 1)
-        found = self._of_parts(median_m, parts)
+        worst_m = self._of_parts(median_m, parts)
         if to_posed_s is None:
-            return found
+            return worst_m
         share = np.minimum(to_posed_s / POSED_S, 1.0)
-        return np.asarray(np.hypot(share * found, (1 - share) * np.minimum(found, POSED_M)))
+        return np.asarray(np.hypot(share * worst_m, (1 - share) * np.minimum(worst_m, POSED_M)))
 
     def _of_parts(self, of_joints: Array, parts: int) -> Array:
         """(N, P) the largest of a part's joints."""
-        found = np.full((len(of_joints), parts), np.nan)
+        largest = np.full((len(of_joints), parts), np.nan)
         for joint, part in enumerate(self.parts):
-            found[:, part] = np.fmax(found[:, part], of_joints[:, joint])
-        return found
+            largest[:, part] = np.fmax(largest[:, part], of_joints[:, joint])
+        return largest
 
     @property
     def _between(self) -> Array:
@@ -225,9 +225,9 @@ class JointEvidence:
         rows = np.array([0, len(self.distance) - 1])
         distance, error = np.nan_to_num(self.distance), self.error
         after = [distance[1:-1][BACK], distance[-2:0:-1][BACK]]
-        back = np.array([some.max(axis=0, initial=0.0) for some in after])
+        back = np.array([distances.max(axis=0, initial=0.0) for distances in after])
         beside = [error[1:-1][:NEAR], error[-2:0:-1][:NEAR]]
-        moved = np.array([some.max(axis=0, initial=0.0) for some in beside]) > KEYED_ERROR
+        moved = np.array([distances.max(axis=0, initial=0.0) for distances in beside]) > KEYED_ERROR
         asked = (self.visibility[rows] >= KEYED_SURE) & limbs[self.parts] & moved
         away = distance[rows] * (asked & (back < COMES_BACK * distance[rows]))
         k, joint = np.unravel_index(int(away.argmax()), away.shape)
@@ -248,7 +248,7 @@ def _median_near(values: Array) -> Array:
     """(N,) the median over the frames near each that have a value; NaN where none has."""
     padded = np.pad(values, NEAR, constant_values=np.nan)
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEAR + 1)
-    known = np.isfinite(windows).any(axis=1)
-    found = np.full(len(values), np.nan)
-    found[known] = np.nanmedian(windows[known], axis=1)
-    return found
+    is_known = np.isfinite(windows).any(axis=1)
+    medians = np.full(len(values), np.nan)
+    medians[is_known] = np.nanmedian(windows[is_known], axis=1)
+    return medians

@@ -73,8 +73,8 @@ def increment_scale(
     chains: the body followed from both keyframes.  measured: the steps between, with their doubts.
     The median over all degrees of freedom: one limb that was lost says nothing of the others.
     """
-    known = measured.precision > 0
-    variance = np.where(known, 1 / np.maximum(measured.precision, np.finfo(float).tiny), 0.0)
+    is_measured = measured.precision > 0
+    variance = np.where(is_measured, 1 / np.maximum(measured.precision, np.finfo(float).tiny), 0.0)
     expected = np.sqrt(variance.sum(axis=0))
     forward, backward = chains
     missed = np.stack(
@@ -86,7 +86,7 @@ def increment_scale(
             )
         ]
     )
-    sizes = np.abs(missed[:, known.any(axis=0)]) / expected[known.any(axis=0)]
+    sizes = np.abs(missed[:, is_measured.any(axis=0)]) / expected[is_measured.any(axis=0)]
     if not sizes.size:
         return 1.0
     return float(np.clip(np.median(sizes) / (MEDIAN_OF_SIZES * USUAL), 1.0, MOST))

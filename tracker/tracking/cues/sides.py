@@ -64,9 +64,9 @@ def _least_jumps(both: Array, keyed: Mapping[int, Array]) -> NDArray[np.bool_]:
     for n in range(count):
         if n:
             jump = mean_distance(both[n][:, None], both[n - 1][None])  # [now, before]
-            way = cost[None] + jump + CHANGE * (1 - np.eye(2))
-            came_from[n] = way.argmin(axis=1)
-            cost = way.min(axis=1)
+            totals = cost[None] + jump + CHANGE * (1 - np.eye(2))
+            came_from[n] = totals.argmin(axis=1)
+            cost = totals.min(axis=1)
         if n in keyed:
             cost = cost + KEYED * mean_distance(both[n], keyed[n])
     state, swapped = int(cost.argmin()), np.zeros(count, np.bool_)
@@ -79,8 +79,8 @@ def _least_jumps(both: Array, keyed: Mapping[int, Array]) -> NDArray[np.bool_]:
 def mean_distance(a: Array, b: Array) -> Array:
     """Mean over the points known in both; 0 where there are none."""
     away = np.linalg.norm(a - b, axis=-1)
-    known = np.isfinite(away)
-    return np.asarray(np.where(known, away, 0.0).sum(-1) / np.maximum(known.sum(-1), 1))
+    is_known = np.isfinite(away)
+    return np.asarray(np.where(is_known, away, 0.0).sum(-1) / np.maximum(is_known.sum(-1), 1))
 
 
 def _copy(values: Array | None) -> Array | None:

@@ -111,11 +111,11 @@ def silhouette_mismatch(
     windows = list(_windows(scene, clip, trajectory, outlines))
     parts = scene.skeleton.part_count
     tones = _tones([window for window in (windows[0], windows[-1]) if window is not None], parts)
-    found = np.full((2, len(trajectory), parts), np.nan)
+    shares = np.full((2, len(trajectory), parts), np.nan)
     for n, window in enumerate(windows):
         if window is not None:
-            found[:, n] = _shares(window, tones)
-    return SilhouetteMismatch(*frozen(found))
+            shares[:, n] = _shares(window, tones)
+    return SilhouetteMismatch(*frozen(shares))
 
 
 def outlines_of(keypoints: Keypoints | None, camera: Camera, size: WorkingSize) -> Outlines:
@@ -182,8 +182,8 @@ def _windows(
 
 def _joined(windows: Sequence[Window | None]) -> Window:
     """The smallest window that holds all of these."""
-    some = [window for window in windows if window is not None]
-    return reduce(Window.joined, some) if some else Window(0, 0, 0, 0)
+    present = [window for window in windows if window is not None]
+    return reduce(Window.joined, present) if present else Window(0, 0, 0, 0)
 
 
 def _by_outline(
@@ -228,7 +228,7 @@ def _tones(keyed: Sequence[_Window], parts: int) -> Array:
     if not keyed:
         return tones
     of = [(w.shown[w.use == USABLE], w.grey[w.use == USABLE]) for w in keyed]
-    shown, grey = (np.concatenate(some) for some in zip(*of, strict=True))
+    shown, grey = (np.concatenate(arrays) for arrays in zip(*of, strict=True))
     for part in range(parts):
         own = grey[shown == part]
         if len(own) >= FEWEST_PIXELS:

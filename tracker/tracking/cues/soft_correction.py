@@ -98,9 +98,9 @@ def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> 
     by_part, of_root = doubt.turned[:, skeleton.dof_part], doubt.shifted[:, None]
     variance = DOUBT_FLOOR + np.where(skeleton.dof_turns == 1, by_part, of_root)
     precision = scene.precision(STEP) / variance
-    known = np.isfinite(steps)
+    is_known = np.isfinite(steps)
     return Increments(
-        skeleton, np.where(known, steps, 0.0), np.where(known, precision, 0.0), Huber()
+        skeleton, np.where(is_known, steps, 0.0), np.where(is_known, precision, 0.0), Huber()
     )
 
 
@@ -111,9 +111,9 @@ def with_drift(measured: Increments, scale: float) -> tuple[Link, ...]:
     share = 1 / scale**2
     slow = replace(measured, precision=share * measured.precision)
     both = np.stack([measured.precision[:-1], measured.precision[1:]])
-    known = (both > 0).all(axis=0)
+    is_known = (both > 0).all(axis=0)
     # variances of two steps add up in their difference
-    changes = (1 - share) * known * both.prod(axis=0) / np.where(known, both.sum(axis=0), 1.0)
+    changes = (1 - share) * is_known * both.prod(axis=0) / np.where(is_known, both.sum(axis=0), 1.0)
     wanted = np.diff(measured.wanted, axis=0)
     return slow, Smoothness(measured.skeleton, wanted, changes, measured.kernel)
 

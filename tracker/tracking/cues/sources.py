@@ -244,11 +244,11 @@ class LiftedKeypoints:
         return replace(keypoints, p_hips=lifted.p_hips, depth_sigma_m=lifted.depth_sigma_m)
 
 
-def _are_same(keypoints: Keypoints, other: Keypoints) -> bool:
+def _are_same(keypoints: Keypoints, around: Keypoints) -> bool:
     """Whether keypoints are others, but for what a person set."""
-    if keypoints.names != other.names:
+    if keypoints.names != around.names:
         return False
-    same = np.isclose(keypoints.uv, other.uv, equal_nan=True).all(axis=-1)
+    same = np.isclose(keypoints.uv, around.uv, equal_nan=True).all(axis=-1)
     return bool(same.all() if keypoints.by_hand is None else (same | keypoints.by_hand).all())
 
 

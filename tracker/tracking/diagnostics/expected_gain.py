@@ -98,11 +98,11 @@ def _clock(outcome: Outcome) -> Array:
 
 def _unseen(observation: Observation) -> Array:
     """(N,) mean share of the motion that is not observed; 0 where nothing was measured."""
-    known = np.isfinite(observation.diagnostics.observability)
-    unseen = np.where(known, 1 - np.nan_to_num(observation.diagnostics.observability), 0.0).sum(
-        axis=1
-    )
-    share = unseen / np.maximum(known.sum(axis=1), 1)
+    is_measured = np.isfinite(observation.diagnostics.observability)
+    unseen = np.where(
+        is_measured, 1 - np.nan_to_num(observation.diagnostics.observability), 0.0
+    ).sum(axis=1)
+    share = unseen / np.maximum(is_measured.sum(axis=1), 1)
     return np.concatenate([share[:1], share])
 
 

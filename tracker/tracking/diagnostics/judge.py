@@ -179,10 +179,10 @@ def _judge_silhouette(segment: Segment, mismatch: SilhouetteMismatch) -> Verdict
 
     beside = median_filter(mismatch.excess, BESIDE_FRAMES, mode="nearest")
     beside[[0, -1]] = 0.0
-    found = [run for run in runs(beside > BESIDE_BODY) if run[1] - run[0] + 1 >= SHORTEST_RUN]
-    if not found:
+    bad_runs = [run for run in runs(beside > BESIDE_BODY) if run[1] - run[0] + 1 >= SHORTEST_RUN]
+    if not bad_runs:
         return GOOD
-    start, end = max(found, key=lambda run: float(beside[run[0] : run[1] + 1].sum()))
+    start, end = max(bad_runs, key=lambda run: float(beside[run[0] : run[1] + 1].sum()))
     worst = start + int(beside[start : end + 1].argmax())
     first = segment.first_frame
     return Verdict(
@@ -214,15 +214,15 @@ def _worst_run(skeleton: Skeleton, first: int, cause: Cause, beyond: Array) -> V
     """The part that is beyond what is good by most, in its worst run of frames; None where none is
     for long. beyond (N, P): over 0 where it is."""
     beyond = beyond.clip(0.0)
-    found = [
+    bad_runs = [
         (float(column[start : end + 1].sum()), part, start, end)
         for part, column in enumerate(beyond.T)
         for start, end in runs(column > 0)
         if end - start + 1 >= SHORTEST_RUN
     ]
-    if not found:
+    if not bad_runs:
         return None
-    _, part, start, end = max(found)
+    _, part, start, end = max(bad_runs)
     return Verdict(
         kind="check",
         cause=cause,
@@ -320,16 +320,16 @@ def _longest_unseen(
     scene: Scene, segment: Segment, observation: Observation
 ) -> tuple[str, int, int] | None:
     """The part that is unseen for the longest run of frames: name, first and last frame."""
-    found = []
+    hidden_runs = []
     for i, name in enumerate(scene.skeleton.body.names):
         hidden = (
             observation.diagnostics.observability[:, i] < UNSEEN
         )  # NaN, not tracked, is never below
-        found += [(last - first, name, first, last) for first, last in runs(hidden)]
-    found = [run for run in found if run[0] + 1 >= SHORTEST_RUN]
-    if not found:
+        hidden_runs += [(last - first, name, first, last) for first, last in runs(hidden)]
+    hidden_runs = [run for run in hidden_runs if run[0] + 1 >= SHORTEST_RUN]
+    if not hidden_runs:
         return None
-    _, name, first, last = max(found)
+    _, name, first, last = max(hidden_runs)
     start = segment.first_frame + 1
     return name, start + first, start + last
 

@@ -53,9 +53,9 @@ def starts(scene: Scene, segment: Segment, method: Keypose) -> Starts:
         ways, notes = [both], []
         if method.judged and _is_doubtful(scene, chains, interpolated.trajectory, both.trajectory):
             ways += [interpolated]
-    found = [_by_templates(scene, segment, method, chains, ways[0].trajectory)]
-    found += [_imported(scene, segment, method)]
-    for start in found:
+    proposed_starts = [_by_templates(scene, segment, method, chains, ways[0].trajectory)]
+    proposed_starts += [_imported(scene, segment, method)]
+    for start in proposed_starts:
         notes += start.notes
         ways += start.ways
     return _rank(scene, segment, method, ways, chains, notes)
@@ -74,12 +74,15 @@ def printed_start(scene: Scene, segment: Segment, method: Paper) -> Starts:
                 return Starts((Pass("templates", start.trajectory, None),), None, start.notes)
             return Starts((interpolated,), None, (f"{TEMPLATES_LOST}: interpolated instead",))
         case "import":
-            found = _imported(scene, segment, method)
-            return Starts((*found.ways, interpolated)[:1], None, found.notes)
+            imported = _imported(scene, segment, method)
+            return Starts((*imported.ways, interpolated)[:1], None, imported.notes)
         case "auto":
-            found = _imported(scene, segment, method)
-            tried = [*found.ways, interpolated]
-            scores = [printed_score(scene, segment.clip, way.trajectory) for way in tried]
+            imported = _imported(scene, segment, method)
+            tried = [*imported.ways, interpolated]
+            scores = [
+                printed_score(scene, segment.clip, initial_pass.trajectory)
+                for initial_pass in tried
+            ]
             return Starts((tried[int(np.argmin(scores))],))
 
 
@@ -94,10 +97,10 @@ def _rank(
     """The ways by their scores, one asked for by name before all others."""
     if len(ways) > 1:
         ways = [
-            replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
-            for way in ways
+            replace(start, score=capped_score(scene, segment.clip, start.trajectory, method.stride))
+            for start in ways
         ]
-    ways = sorted(ways, key=lambda way: (way.what != method.initial, way.score))
+    ways = sorted(ways, key=lambda start: (start.what != method.initial, start.score))
     if not method.judged:
         ways = [replace(ways[0], score=None)]
     return Starts(tuple(ways), chains, tuple(notes))

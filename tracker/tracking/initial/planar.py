@@ -118,8 +118,8 @@ def _offset_px(keyed: FirstKeyframe, motion: Trajectory, part: int) -> Array:
     """(N, 2) pixels by which a part is seen away from where a motion has it; zero at the ends."""
     expected = keyed.scene.point_pixels(motion, part, middle(keyed.scene.skeleton, part))
     template = keyed.template(part, expected[0])
-    found = keyed.track(part, template, lambda n, uv: 0.0, expected[-1], LEAST_REACH)
-    return np.asarray(found - expected)
+    followed_uv = keyed.track(part, template, lambda n, uv: 0.0, expected[-1], LEAST_REACH)
+    return np.asarray(followed_uv - expected)
 
 
 def _shift_in_picture(scene: Scene, motion: Trajectory, uv: Array) -> Trajectory:

@@ -80,7 +80,7 @@ class KeptOutcomes:
     def keep(self, kind: Kind, outcome: Outcome) -> None:
         with self._lock:
             self._kept[kind] = outcome
-            frames = sum(len(one.trajectory) for one in self._kept.values())
+            frames = sum(len(kept_outcome.trajectory) for kept_outcome in self._kept.values())
             while frames > MOST_FRAMES and len(self._kept) > 1:
                 _, oldest = self._kept.popitem(last=False)
                 frames -= len(oldest.trajectory)
@@ -122,8 +122,8 @@ def _beside(base: Trajectory, now: Trajectory, limb: KeyedLimb, skeleton: Skelet
     """What a limb is tracked beside: the motion without corrections, but for its
     counterpart.
     """
-    other = np.array(other_side(skeleton, limb.parts), dtype=np.int64)
-    return with_parts(base, now, other)
+    counterpart = np.array(other_side(skeleton, limb.parts), dtype=np.int64)
+    return with_parts(base, now, counterpart)
 
 
 def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
@@ -222,10 +222,10 @@ def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
     both = Pass("both ways", _limb_of(blend_chains(scene, *chains), segment), None)
     ways = [both, closed]
     scored = [
-        replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
-        for way in ways
+        replace(start, score=capped_score(scene, segment.clip, start.trajectory, method.stride))
+        for start in ways
     ]
-    scored.sort(key=lambda way: way.score_or_nan)
+    scored.sort(key=lambda start: start.score_or_nan)
     return Starts(tuple(scored), (own[0], own[1]))
 
 

@@ -85,15 +85,15 @@ def keyed_limbs(skeleton: Skeleton, keyed: Sequence[KeyedParts]) -> list[KeyedLi
     for each in keyed:
         anywhere[each.parts] = True
     tops = [i for i in np.flatnonzero(anywhere) if not anywhere[skeleton.parents[i]]]
-    found = []
+    limbs = []
     for top in tops:
         limb = np.flatnonzero(anywhere & skeleton.below[:, top])
         own = [
             replace(each, parts=np.intersect1d(each.parts, limb))
             for each in sorted(keyed, key=lambda each: each.frame)
         ]
-        found.append(KeyedLimb(limb, tuple(each for each in own if len(each.parts))))
-    return found
+        limbs.append(KeyedLimb(limb, tuple(each for each in own if len(each.parts))))
+    return limbs
 
 
 def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
@@ -152,8 +152,8 @@ def _reached(
         precision = np.full(free.dof_count, LIMB_RAD**-2.0)
         terms: list[Term] = [PosePrior.of(pose, precision)]
         sigmas = ((limb[last], END_M), (limb[~last], BETWEEN_M))
-        for some, sigma in sigmas[:1] if ends_alone else sigmas:
-            chosen = np.intersect1d(some, joints)
+        for of_joints, sigma in sigmas[:1] if ends_alone else sigmas:
+            chosen = np.intersect1d(of_joints, joints)
             if len(chosen):
                 places: tuple[BodyPoint, ...] = tuple(((int(i), (0.0, 0.0, 0.0)),) for i in chosen)
                 terms.append(PointsInSpace(BodyPoints(free, places), wanted[chosen], sigma))

@@ -114,7 +114,7 @@ def other_side(skeleton: Skeleton, parts: NDArray[np.int64]) -> list[int]:
     """The parts that mirror these."""
     names, body = {skeleton.body.names[i] for i in parts}, skeleton.body
     pairs = [*body.mirror_pairs, *((b, a) for a, b in body.mirror_pairs)]
-    return [body.index(other) for one, other in pairs if one in names]
+    return [body.index(mirror_name) for name, mirror_name in pairs if name in names]
 
 
 SIDES_MARGIN = 4.0
@@ -188,5 +188,5 @@ def resolve_sides(candidates: Sequence[Anchors], segment: LimbSegment, scene: Sc
 
 def _contradiction(anchors: Anchors, segment: LimbSegment, scene: Scene) -> Array:
     """(N, K) how far keypoints lie from where the body was tracked."""
-    seen = image_points(scene.camera, anchors.where(segment.given.transforms(scene.skeleton)))
-    return Cauchy().loss(np.linalg.norm(seen - anchors.uv, axis=-1) * anchors.scale)
+    image_uv = image_points(scene.camera, anchors.where(segment.given.transforms(scene.skeleton)))
+    return Cauchy().loss(np.linalg.norm(image_uv - anchors.uv, axis=-1) * anchors.scale)

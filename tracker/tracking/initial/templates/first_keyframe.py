@@ -136,8 +136,8 @@ class FirstKeyframe:
         whole = segment.clip.cover(None).levels[0]  # parts are sought far around
         shown = [GreyPicture.of(in_grey_levels(whole[slot])) for slot in slots]
         Ts = pose_transforms(scene.skeleton, segment.start)
-        seen = raster(BodyMesh.of(scene.skeleton), Ts, ViewCamera.of(scene.camera))
-        return cls(scene, segment, shown, seen.part)
+        body_raster = raster(BodyMesh.of(scene.skeleton), Ts, ViewCamera.of(scene.camera))
+        return cls(scene, segment, shown, body_raster.part)
 
     def name(self, part: int) -> str:
         """What a person calls a part."""
@@ -146,8 +146,8 @@ class FirstKeyframe:
     def template(self, part: int, uv: Array, also: Collection[int] = ()) -> Rotatable:
         """What the first keyframe shows of a part, and of others that go with it."""
         wanted = np.isin(self.shows, [part, *also]).astype(np.uint8)
-        seen = np.argwhere(self.shows == part)
-        extent = np.ptp(seen, axis=0).max() if len(seen) else 0
+        pixels = np.argwhere(self.shows == part)
+        extent = np.ptp(pixels, axis=0).max() if len(pixels) else 0
         half = int(np.clip(HALF_SHARE * extent, LEAST_HALF, MOST_HALF))
         slot = self.segment.clip.slots(self.segment.first_frame, self.segment.first_frame)[0]
         wide = cv2.dilate(wanted, np.ones((3, 3), np.uint8)) > 0

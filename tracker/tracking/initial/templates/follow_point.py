@@ -114,16 +114,18 @@ def follow_point(
     course = Course.at_its_start(uv, len(shown))
     recent = key
     for n in range(1, len(shown)):
-        seen = None
+        match = None
         if not base.hidden[n]:
-            seen = _locate(key, recent, pictures[n], shown[n], run.expected(), reach + 2 * run.poor)
-        if seen is None:
+            match = _locate(
+                key, recent, pictures[n], shown[n], run.expected(), reach + 2 * run.poor
+            )
+        if match is None:
             by_base = base.trusted[n] and base.trusted[n - 1]
             run.pass_unseen(base.uv[n] - base.uv[n - 1] if by_base else run.step)
             if run.poor > MOST_POOR and not by_base:
                 break
             continue
-        at, by_key = seen
+        at, by_key = match
         run.move_to(at)
         run.drift = 0.0 if by_key else float(np.hypot(run.drift, RENEWED_PX))
         course.uv[n], course.known[n] = at.uv, by_key

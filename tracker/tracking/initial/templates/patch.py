@@ -179,9 +179,9 @@ class Patch:
         near = picture[top : int(rows.max()) + 2, left : int(columns.max()) + 2, 0]
         if not near.size:
             return 0.0
-        seen = cv2.remap(near, columns - left, rows - top, cv2.INTER_LINEAR).ravel()
+        brightness = cv2.remap(near, columns - left, rows - top, cv2.INTER_LINEAR).ravel()
         ours = self.values - self.values.mean()
-        theirs = seen - seen.mean(dtype=np.float64)
+        theirs = brightness - brightness.mean(dtype=np.float64)
         norm = np.sqrt((ours**2).sum() * (theirs**2).sum())
         return float((ours * theirs).sum() / norm) if norm > 0 else 0.0
 

@@ -91,7 +91,7 @@ def two_link_limbs(skeleton: Skeleton) -> list[TwoLinks]:
     Of a limb with more parts the last three are upper link, lower link and leaf; of one with two
     parts the second is lower link and leaf at once.
     """
-    found = []
+    limbs = []
     for leaf in leaves(skeleton):
         limb = np.flatnonzero(skeleton.limbs == skeleton.limbs[leaf])
         if len(limb) < 2:
@@ -99,8 +99,8 @@ def two_link_limbs(skeleton: Skeleton) -> list[TwoLinks]:
         upper, lower = int(limb[-3:][0]), int(limb[-3:][1])
         if np.isin([upper, lower], skeleton.dof_part).all() and _moves_on(skeleton, lower, leaf):
             p = middle(skeleton, leaf) if leaf != lower else 1.8 * middle(skeleton, leaf)
-            found.append(TwoLinks(upper, lower, leaf, p))
-    return found
+            limbs.append(TwoLinks(upper, lower, leaf, p))
+    return limbs
 
 
 def _moves_on(skeleton: Skeleton, lower: int, leaf: int) -> bool:
@@ -184,23 +184,25 @@ class Anchor:
     is_seen: bool
 
 
-def find_anchor(scene: Scene, point: FollowedPoint, T: Array, seen: Raster, half: int) -> Anchor:
+def find_anchor(scene: Scene, point: FollowedPoint, T: Array, shown: Raster, half: int) -> Anchor:
     """Where a keyframe shows the part about a point.
 
     T (4, 4): the part in the camera frame. The pixel nearest to where the point would be seen
     through the part is taken, if it lies within `half` pixels along both axes.
     """
     uv, p_part = scene.camera.project(T[:3, :3] @ point.p_part + T[:3, 3]), point.p_part
-    rows, columns = np.nonzero(seen.part == point.part)
+    rows, columns = np.nonzero(shown.part == point.part)
     is_seen = bool(len(rows) and np.isfinite(uv).all())
     if is_seen:
         nearest = int(np.argmin(np.hypot(columns - uv[0], rows - uv[1])))
         at = np.array([columns[nearest], rows[nearest]], np.float64)
         is_seen = bool(np.abs(at - uv).max() <= half)
     if is_seen:
-        p_camera = scene.camera.back_project(at, float(seen.depth[rows[nearest], columns[nearest]]))
+        p_camera = scene.camera.back_project(
+            at, float(shown.depth[rows[nearest], columns[nearest]])
+        )
         uv, p_part = at, T[:3, :3].T @ (p_camera - T[:3, 3])
-    shows = np.isin(seen.part, point.rigid)
+    shows = np.isin(shown.part, point.rigid)
     return Anchor(point.part, p_part, uv, shows, point.size_m, is_seen)
 
 
@@ -212,16 +214,19 @@ def hidden(
     anchors: each with whether the first frame of the motion shows it, or else the last one.
     """
     mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
-    seen = np.zeros((len(anchors), len(motion)))
+    visible_counts = np.zeros((len(anchors), len(motion)))
     about = [_about(scene, anchor) for anchor, _ in anchors]
     for n, T in enumerate(motion.transforms(scene.skeleton)):
         depth = raster(mesh, T, view).depth
         for a, ((anchor, _), chosen) in enumerate(zip(anchors, about, strict=True)):
-            seen[a, n] = _seen_count(scene, T[anchor.part], chosen, depth)
+            visible_counts[a, n] = _seen_count(scene, T[anchor.part], chosen, depth)
     shown = np.array(
-        [row[0] if first else row[-1] for row, (_, first) in zip(seen, anchors, strict=True)]
+        [
+            row[0] if first else row[-1]
+            for row, (_, first) in zip(visible_counts, anchors, strict=True)
+        ]
     )
-    return np.asarray(seen < STILL_SEEN * shown.reshape(-1, 1))
+    return np.asarray(visible_counts < STILL_SEEN * shown.reshape(-1, 1))
 
 
 def _about(scene: Scene, anchor: Anchor) -> NDArray[np.int64]:
@@ -332,9 +337,9 @@ class _View:
 
     def anchor(self, point: FollowedPoint, forward: bool) -> Anchor:
         """The point as the first keyframe shows it, or the last one."""
-        seen, slot = (self.ends[0], 0) if forward else (self.ends[1], -1)
+        shown, slot = (self.ends[0], 0) if forward else (self.ends[1], -1)
         T = self.base.transforms(self.scene.skeleton)[slot, point.part]
-        return find_anchor(self.scene, point, T, seen, self._half(point.size_m))
+        return find_anchor(self.scene, point, T, shown, self._half(point.size_m))
 
     def course(self, anchor: Anchor, covered: NDArray[np.bool_], forward: bool) -> Course:
         """An anchor followed from its keyframe on, in frame order."""
