@@ -197,10 +197,10 @@ def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
 _TWO_KEYFRAMES = "Two keyframes make the first segment"
 
 
-def segments_need(spans: Sequence[Span], what: str) -> Suggestion:
+def segments_need(spans: Sequence[Span], action: str) -> Suggestion:
     """ "4 segments need tracking", and the first of them."""
     count = len(spans)
-    title = f"1 segment needs {what}" if count == 1 else f"{count} segments need {what}"
+    title = f"1 segment needs {action}" if count == 1 else f"{count} segments need {action}"
     named = [frame_range(*span) for span in spans[:2]]
     more = f"{', '.join(named)} and {count - 2} more" if count > 2 else " and ".join(named)
     return Suggestion(None, title, f"Frames {more}", "track")
@@ -212,10 +212,14 @@ ALL_GOOD = Suggestion(None, "All good", "Add a keyframe only where the motion lo
 def followed_suggestion(session: Session) -> Suggestion | None:
     """The last frame that can be trusted of what was tracked ahead: its pose is all but a keyframe.
     None where nothing was, or so little that a keyframe there is no gain."""
-    found = [one for one in session.subject.ahead if _is_worth_keying(session, one)]
-    if not found:
+    followed = [
+        record_ahead
+        for record_ahead in session.subject.ahead
+        if _is_worth_keying(session, record_ahead)
+    ]
+    if not followed:
         return None
-    record = max(found, key=lambda ahead: ahead.is_forward)
+    record = max(followed, key=lambda ahead: ahead.is_forward)
     title = f"Check frame {record.to_frame}, then press K"
     why = f"{tracked_to(record)}. {why_stopped(record)}"
     return Suggestion(record.to_frame, title, why, "key")
@@ -226,16 +230,20 @@ def _is_worth_keying(session: Session, record: Ahead) -> bool:
     return last - first >= SHORT_FRAMES and stands(session, record)
 
 
-def with_way_ahead(found: Suggestion, keys: Sequence[int], session: Session) -> Suggestion:
+def with_way_ahead(advised: Suggestion, keys: Sequence[int], session: Session) -> Suggestion:
     """Add the way in which tracking ahead leads on, unless something is to be tracked first.
 
     Where a keyframe is asked for and the film was drafted, what lies beyond has poses already.
     """
-    about_a_frame = found.kind in ("key", "look")
-    if not keys or found.kind == "track" or (about_a_frame and session.subject.drafted is not None):
-        return found
-    way = _way(keys, session)
-    return found if way is None else replace(found, ahead=way)
+    about_a_frame = advised.kind in ("key", "look")
+    if (
+        not keys
+        or advised.kind == "track"
+        or (about_a_frame and session.subject.drafted is not None)
+    ):
+        return advised
+    way_ahead = _way(keys, session)
+    return advised if way_ahead is None else replace(advised, ahead=way_ahead)
 
 
 def _way(keys: Sequence[int], session: Session) -> Direction | None:
@@ -369,14 +377,14 @@ def _next_of_film(
         return followed
     if not keys and not session.subject.drafts and is_persons(session.subject.body):
         return Suggestion(None, *_BOX_OR_POSE, "pose")
-    found = suggestion(
+    of_film = suggestion(
         keys,
         session.view.video.frame_count,
         judged_segments.tracks,
         judged_segments.parts,
         judged_segments,
     )
-    return with_way_ahead(found, keys, session)
+    return with_way_ahead(of_film, keys, session)
 
 
 def _missing_of_film(session: Session) -> str:

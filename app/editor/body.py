@@ -191,8 +191,8 @@ class RenamePart(Edit):
             update["parts"] = self._renamed(keyframe.parts)
         return keyframe.model_copy(update=update)
 
-    def _of_part(self, one: Named) -> Named:
-        return one.model_copy(update={"part": self.name}) if one.part == self.part else one
+    def _of_part(self, named: Named) -> Named:
+        return named.model_copy(update={"part": self.name}) if named.part == self.part else named
 
 
 class ResetBody(Edit):
@@ -281,40 +281,40 @@ def _with_arms_turned(state: EditorState) -> EditorState:
 
 def with_body(state: EditorState, body: Body) -> Session:
     """Another body in all poses: parts it does not have are left out of them."""
-    known = set(body.names)
-    _require_pinned_parts(state, known)
+    part_names = set(body.names)
+    _require_pinned_parts(state, part_names)
     settings = state.doc.settings
-    left_out = tuple(name for name in settings.left_out if name in known)
+    left_out = tuple(name for name in settings.left_out if name in part_names)
     update = {
         "body": body,
         "settings": settings.model_copy(update={"left_out": left_out}),
-        "part_keyframes": tuple(_with_parts(state.doc, known)),
+        "part_keyframes": tuple(_with_parts(state.doc, part_names)),
     }
-    doc = with_poses(state.doc.changed(update), lambda each: _fitted(each, known))
+    doc = with_poses(state.doc.changed(update), lambda each: _fitted(each, part_names))
     return require_all_before_camera(doc, Skeleton.of(body))
 
 
-def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
+def _require_pinned_parts(state: EditorState, part_names: set[str]) -> None:
     """Refused where a pin would lose its part."""
-    lost = [pin.part for pin in state.doc.subject.pins if pin.part not in known]
+    lost = [pin.part for pin in state.doc.subject.pins if pin.part not in part_names]
     if lost:
         raise ActionRefused(
             f"{part_label(lost[0])} is pinned and not part of that body. Unpin it first."
         )
 
 
-def _with_parts(doc: Session, known: set[str]) -> Iterator[PartKeyframe]:
+def _with_parts(doc: Session, part_names: set[str]) -> Iterator[PartKeyframe]:
     """The part keyframes of which any part is left."""
     for keyframe in doc.subject.part_keyframes:
-        parts = tuple(name for name in keyframe.parts if name in known)
+        parts = tuple(name for name in keyframe.parts if name in part_names)
         if parts:
             yield keyframe.model_copy(update={"parts": parts})
 
 
-def _fitted(keyframe: Keyframe, known: set[str]) -> Keyframe:
-    if set(keyframe.rotations_wxyz) <= known:
+def _fitted(keyframe: Keyframe, part_names: set[str]) -> Keyframe:
+    if set(keyframe.rotations_wxyz) <= part_names:
         return keyframe
-    rotations = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}
+    rotations = {name: q for name, q in keyframe.rotations_wxyz.items() if name in part_names}
     return keyframe.model_copy(update={"rotations_wxyz": rotations})
 
 

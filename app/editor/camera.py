@@ -100,10 +100,10 @@ class Lens(Edit):
                 state.doc.view.camera.width, state.doc.view.camera.height, self.mm
             )
         bent = {True: BENT, False: STRAIGHT, None: state.doc.view.camera.distortion}[self.bent]
-        known = "guess" if self.mm is None else self.known
-        if known == "person":
+        source = "guess" if self.mm is None else self.known
+        if source == "person":
             camera = _without_zoom(state, camera)
-        return _with_lens(state, camera.model_copy(update={"distortion": bent}), known)
+        return _with_lens(state, camera.model_copy(update={"distortion": bent}), source)
 
 
 class Distortion(Edit):
@@ -145,13 +145,13 @@ class Vertical(Edit):
             )
         return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, up))
 
-    def _up_of_both(self, state: EditorState, other: tuple[Spot, Spot]) -> Array:
-        if _crosses((self.a, self.b), other):
+    def _up_of_both(self, state: EditorState, second_line: tuple[Spot, Spot]) -> Array:
+        if _crosses((self.a, self.b), second_line):
             raise ActionRefused(
                 "These lines cross in the picture: they are not both upright. Draw them along two "
                 "walls, doors or poles."
             )
-        up = up_from_segments(np.array([(self.a, self.b), other]), state.camera)
+        up = up_from_segments(np.array([(self.a, self.b), second_line]), state.camera)
         if up is None:
             raise ActionRefused(
                 "These lines do not say what is up. Draw them along two upright things that are "
@@ -211,14 +211,17 @@ MESSAGES = (
 )
 
 
-def _crosses(one: tuple[Spot, Spot], other: tuple[Spot, Spot]) -> bool:
+def _crosses(first_line: tuple[Spot, Spot], second_line: tuple[Spot, Spot]) -> bool:
     """Whether two lines cross between their ends."""
 
     def side(line: tuple[Spot, Spot], p: Spot) -> float:
         (ax, ay), (bx, by) = line
         return (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)
 
-    return all(side(a, b[0]) * side(a, b[1]) < 0 for a, b in ((one, other), (other, one)))
+    return all(
+        side(a, b[0]) * side(a, b[1]) < 0
+        for a, b in ((first_line, second_line), (second_line, first_line))
+    )
 
 
 def as_taken(doc: Session, named: Mapping[str, Any], file_times_s: Array | None = None) -> Session:

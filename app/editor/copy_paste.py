@@ -48,9 +48,9 @@ def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
     if not frames:
         copied = Copied.pose_of(state.skeleton, shown_pose(state).pose)
         return copied.of_frame(state.doc, state.frame)
-    found = [find(state.doc.subject.keyframes, frame) for frame in sorted(set(frames))]
-    keyframes = [keyframe for keyframe in found if keyframe is not None]
-    if len(keyframes) < len(found):
+    at_frames = [find(state.doc.subject.keyframes, frame) for frame in sorted(set(frames))]
+    keyframes = [keyframe for keyframe in at_frames if keyframe is not None]
+    if len(keyframes) < len(at_frames):
         raise ActionRefused("One of these frames is not a keyframe any more.")
     return Copied.keys_of(state.doc, state.skeleton, keyframes)
 

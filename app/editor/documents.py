@@ -82,7 +82,7 @@ def posed(
     """Set this pose at a frame: in its keyframe, or else as a draft."""
     require_before_camera(skeleton, pose)
     keyframe = softened(keyframe_of(skeleton, pose, frame, times_s), soft)
-    if any(known.frame == frame for known in doc.subject.keyframes):
+    if any(each.frame == frame for each in doc.subject.keyframes):
         doc = with_keyframes(doc, (*without(doc.subject.keyframes, frame), keyframe))
         return with_drafts(doc, without(doc.subject.drafts, frame))  # it would be shown instead
     return with_drafts(doc, (*without(doc.subject.drafts, frame), keyframe))
@@ -115,7 +115,7 @@ def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:
         raise ActionRefused("The body would be behind the camera. Move it farther away.")
 
 
-def require_sound(before: Session, after: Session, what: str) -> None:
+def require_sound(before: Session, after: Session, action: str) -> None:
     """Refused, with the name of the action, where the document could not be read back.
 
     before: a document that could.
@@ -123,12 +123,12 @@ def require_sound(before: Session, after: Session, what: str) -> None:
     try:
         changes.require_sound(before, after)
     except ValueError as error:
-        raise impossible(what, str(error)) from None
+        raise impossible(action, str(error)) from None
 
 
-def impossible(what: str, why: str) -> ActionRefused:
+def impossible(action: str, why: str) -> ActionRefused:
     """The refusal of an action by its name, with the reason."""
-    return ActionRefused(f"{what[:1].upper()}{what[1:]}: not possible ({why.rstrip('.')}).")
+    return ActionRefused(f"{action[:1].upper()}{action[1:]}: not possible ({why.rstrip('.')}).")
 
 
 def _frame(keyframe: Keyframe) -> int:

@@ -163,10 +163,12 @@ def has_drafts_for_other_up(doc: Session) -> bool:
     return _has_found_keypoints(doc) and bool(to_lift(doc))
 
 
-def _apart_deg(one: Position, other: Position) -> float:
+def _apart_deg(first: Position, second: Position) -> float:
     """The angle between two directions."""
     share = (
-        sum(a * b for a, b in zip(one, other, strict=True)) / math.hypot(*one) / math.hypot(*other)
+        sum(a * b for a, b in zip(first, second, strict=True))
+        / math.hypot(*first)
+        / math.hypot(*second)
     )
     return math.degrees(math.acos(max(-1.0, min(1.0, share))))
 
@@ -285,11 +287,11 @@ def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
         return frozenset()
     if doc.subject.body is not was.subject.body or not _can_learn(doc):
         return frozenset()
-    known = {k.frame: (k.root_m, k.rotations_wxyz) for k in was.subject.keyframes}
+    poses_before = {k.frame: (k.root_m, k.rotations_wxyz) for k in was.subject.keyframes}
     return frozenset(
         k.frame
         for k in doc.subject.keyframes
-        if known.get(k.frame) != (k.root_m, k.rotations_wxyz) and not k.drafted
+        if poses_before.get(k.frame) != (k.root_m, k.rotations_wxyz) and not k.drafted
     )
 
 

@@ -179,7 +179,7 @@ class RetimeKeys(Edit):
             return doc
         moved = zip(self.frames, self.to, strict=True)
         fields = [doc.evidence.with_key_moved(frame, to) for frame, to in moved]
-        return doc.changed({name: value for one in fields for name, value in one.items()})
+        return doc.changed({name: value for values in fields for name, value in values.items()})
 
     def label(self, state: EditorState) -> str:
         is_shift = len({b - a for a, b in zip(self.frames, self.to, strict=True)}) == 1
@@ -309,8 +309,8 @@ def with_keyframes_placed(
 def require_free(stay: Iterable[Keyframe], frames: Iterable[int]) -> None:
     """Refused, naming them, where keyframes, of the body or of limbs, stand at some of these
     frames."""
-    known = {keyframe.frame for keyframe in stay}
-    met = [frame for frame in frames if frame in known]
+    taken = {keyframe.frame for keyframe in stay}
+    met = [frame for frame in frames if frame in taken]
     if len(met) == 1:
         raise ActionRefused(f"Frame {met[0]} is already a keyframe. Delete it first.")
     if met:

@@ -137,9 +137,9 @@ def _motions(edit: EditorState, frames: NDArray[np.int64]) -> Iterator[tuple[Arr
 def _untracked(
     edit: EditorState, start: int, end: int, frames: NDArray[np.int64]
 ) -> tuple[Array, Array]:
-    found = edit.between(edit.settled, start, end, frames)
-    if found is not None:
-        return found
+    between = edit.between(edit.settled, start, end, frames)
+    if between is not None:
+        return between
     skeleton = settled_skeleton(edit)  # of an open end one pose is known
     doc, keyframes = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
     at, pose = next((k.frame, k.pose(skeleton)) for k in keyframes if k is not None)
@@ -197,7 +197,7 @@ def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
 
 def _far_end(body: Body, part: str) -> str:
     """The joint of the part's only child, else a landmark of its own, else its own joint."""
-    children = [other.name for other in body.parts if other.parent == part]
+    children = [child.name for child in body.parts if child.parent == part]
     if len(children) == 1:
         return children[0]
     landmarks = list(body.parts[body.index(part)].landmarks)
@@ -261,8 +261,8 @@ def _sole(body: Body, part: str, Ts_at_rest: Array) -> Array:
 
 def _ends(body: Body) -> list[str]:
     """The last parts of limbs; the root where there is no limb."""
-    found = [handle.limb[-1] for handle in handles(body) if handle.kind == "end"]
-    return found[:MOST_ENDS] or [body.names[0]]
+    ends = [handle.limb[-1] for handle in handles(body) if handle.kind == "end"]
+    return ends[:MOST_ENDS] or [body.names[0]]
 
 
 def _tip(body: Body, part: str) -> Array:
@@ -282,11 +282,13 @@ def angle_curve(edit: EditorState, index: int) -> Array:
     if path is not None and edit.doc.subject.body.parts[index].parent is None:
         Rs = path.Ts_world_camera[:, :3, :3] @ Rs
     keys = [keyframe.frame for keyframe in edit.doc.subject.keyframes]
-    known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
+    known_frames = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
     part = edit.doc.subject.body.parts[index]
     up = up_in_world(edit.doc)
-    angles[known] = angle_curve_deg(part, Rs[known], np.searchsorted(known, keys), up)
+    angles[known_frames] = angle_curve_deg(
+        part, Rs[known_frames], np.searchsorted(known_frames, keys), up
+    )
     return angles
 
 

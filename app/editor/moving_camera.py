@@ -62,8 +62,10 @@ class CameraHorizon(Edit):
         if doc.world.up_world is None:
             raise ActionRefused("Say what is up first: draw the horizon at another frame.")
         here = up_of(doc, frame)
-        seen = up_from_horizon(state.camera.without_distortion(), self.a, self.b, here)
-        return _corrected(state, _least_turn(np.array(here), seen), doc.film_camera.zoom_at(frame))
+        horizon_up = up_from_horizon(state.camera.without_distortion(), self.a, self.b, here)
+        return _corrected(
+            state, _least_turn(np.array(here), horizon_up), doc.film_camera.zoom_at(frame)
+        )
 
 
 class CameraMatch(Edit):
@@ -176,10 +178,10 @@ def _corrected(state: EditorState, turn: Array, zoom: float) -> Session:
     return _with_camera_keyframes(doc, keys, camera_motion=motion, settings=settings)
 
 
-def _least_turn(one: Array, other: Array) -> Array:
+def _least_turn(before: Array, after: Array) -> Array:
     """The least rotation (3, 3) that brings one unit vector to another."""
-    axis = np.cross(one, other)
-    sine, cosine = float(np.linalg.norm(axis)), float(one @ other)
+    axis = np.cross(before, after)
+    sine, cosine = float(np.linalg.norm(axis)), float(before @ after)
     if sine < 1e-12:
         return np.eye(3)
     return np.asarray(exp_rotation(axis / sine * math.atan2(sine, cosine)))

@@ -212,7 +212,7 @@ def _in_video(camera: Camera, at: Pixel) -> Pixel:
 
 def _with_note(state: EditorState, instead_of: int, note: Note | None) -> Session:
     """Put this note instead of the one at a frame, sorted by frame."""
-    others = [other for other in state.doc.notes if other.frame != instead_of]
+    others = [kept_note for kept_note in state.doc.notes if kept_note.frame != instead_of]
     notes = [*others, *([] if note is None else [note])]
     return state.doc.changed({"notes": tuple(sorted(notes, key=lambda n: n.frame))})
 

@@ -122,14 +122,14 @@ def keyed_limbs(body: Body, parts: Iterable[str]) -> list[tuple[str, tuple[str, 
     """The groups of parts, as lists of the body have them, of which any part is keyed: what each
     is called, and its parts that are."""
     keyed = set(parts)
-    found = []
+    groups = []
     for label, group in lanes(body):
         own = tuple(name for name in group if name in keyed)
         if not own:
             continue
         limb = len(own) > 1 and body.names[0] not in group
-        found.append((label if limb else part_label(own[0 if "chest" in own else -1]), own))
-    return found
+        groups.append((label if limb else part_label(own[0 if "chest" in own else -1]), own))
+    return groups
 
 
 def keyed_words(body: Body, parts: Iterable[str]) -> str:

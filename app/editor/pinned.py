@@ -61,21 +61,25 @@ def open_proposals(state: EditorState) -> tuple[Pin, ...]:
     """What is proposed and neither pinned in some way nor dismissed."""
     answered = (*state.doc.subject.pins, *state.dismissed_pins)
     return tuple(
-        pin for pin in state.proposals if not any(pin.overlaps(known) for known in answered)
+        pin
+        for pin in state.proposals
+        if not any(pin.overlaps(answered_pin) for answered_pin in answered)
     )
 
 
 def pin_result(state: EditorState, pin: Pin) -> PinResult | None:
     """How well this very pin holds where the motion is solved for; None before."""
-    pin_results = [one for stretch in state.results.space(state.settled) for one in stretch.pins]
-    own = [
-        one
-        for one in pin_results
-        if (one.part, one.landmarks) == (pin.part, pin.landmarks)
-        and pin.first_frame <= one.first_frame
-        and one.last_frame <= pin.last_frame
+    pin_results = [
+        result for stretch in state.results.space(state.settled) for result in stretch.pins
     ]
-    return max(own, key=lambda one: (one.keyframe is not None, one.off_m), default=None)
+    own = [
+        result
+        for result in pin_results
+        if (result.part, result.landmarks) == (pin.part, pin.landmarks)
+        and pin.first_frame <= result.first_frame
+        and result.last_frame <= pin.last_frame
+    ]
+    return max(own, key=lambda result: (result.keyframe is not None, result.off_m), default=None)
 
 
 LEAST_FRAMES = 5
@@ -125,9 +129,9 @@ def _tracked_points(state: EditorState, pin: Pin, start: int, stop: int) -> Arra
         rows, path = slice(begin - first, end - first), segment_result.trajectory
         Ts = part_transforms(state.skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])
         Ts = state.doc.film_camera.parts_to_world(Ts[:, part], np.arange(begin, end))
-        seen = held @ Ts[:, :3, :3].transpose(0, 2, 1) + Ts[:, None, :3, 3]
-        seen[~segment_result.tracked[rows]] = np.nan
-        points[begin - start : end - start] = seen
+        ps_world = held @ Ts[:, :3, :3].transpose(0, 2, 1) + Ts[:, None, :3, 3]
+        ps_world[~segment_result.tracked[rows]] = np.nan
+        points[begin - start : end - start] = ps_world
     return points
 
 

@@ -105,7 +105,7 @@ class ChangePin(Edit):
             pin = pin.model_copy(update={"landmarks": self.landmarks, "point_m": None})
             _require_held(state, pin)
             others = _without(state.doc.subject.pins, self.index)
-            taken = next((other for other in others if other.overlaps(pin)), None)
+            taken = next((pinned for pinned in others if pinned.overlaps(pin)), None)
             if taken is not None:
                 raise ActionRefused(
                     f"Another pin holds this point in {_frames(taken)}. Shorten one of them first."
@@ -234,8 +234,8 @@ def _require_held(state: EditorState, pin: Pin) -> None:
     body = state.doc.subject.body
     if pin.part not in body.names:
         raise ActionRefused(f"The body has no part {pin.part!r} to pin.")
-    known = body.parts[body.index(pin.part)].landmarks
-    missing = [name for name in pin.landmarks if name not in known]
+    landmarks = body.parts[body.index(pin.part)].landmarks
+    missing = [name for name in pin.landmarks if name not in landmarks]
     if missing:
         raise ActionRefused(f"{part_label(pin.part)} has no {missing[0]!r} to pin.")
 

@@ -360,11 +360,11 @@ def _softness(state: EditorState, frame: int, in_picture: bool) -> Softness:
     right in the picture alone stays soft in depth.
     """
     keyframe, draft = find(state.doc.subject.keyframes, frame), draft_at(state, frame)
-    known = draft or keyframe
-    if known is None:
+    posed_here = draft or keyframe
+    if posed_here is None:
         was = bool(state.tracked(frame) and state.doc.settings.smooth)
     else:
-        was = bool(known.is_found or known.soft)
+        was = bool(posed_here.is_found or posed_here.soft)
     return "depth" if was and in_picture else False
 
 

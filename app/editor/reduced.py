@@ -106,7 +106,7 @@ def reducible(
 
 def reduced_session(
     doc: Session,
-    found: Reducible,
+    reducible_motion: Reducible,
     frames: Sequence[int],
     times_s: Array,
     first_motion: FirstMotion | None,
@@ -117,16 +117,16 @@ def reduced_session(
 
     first_motion: the motion as `save_own_motion` wrote it; None leaves what there is.
     """
-    if found.parts is not None:
-        return _with_limbs_keyed(doc, found, frames, times_s)
-    first, last = found.motion.first_frame, found.motion.last_frame
+    if reducible_motion.parts is not None:
+        return _with_limbs_keyed(doc, reducible_motion, frames, times_s)
+    first, last = reducible_motion.motion.first_frame, reducible_motion.motion.last_frame
     skeleton = Skeleton.of(doc.subject.body)
     kept = [k for k in doc.subject.keyframes if not (replacing and first <= k.frame <= last)]
-    known = {keyframe.frame for keyframe in kept}
+    keyed = {keyframe.frame for keyframe in kept}
     made = [
-        keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
+        keyframe_of(skeleton, reducible_motion.motion.pose(frame), frame, times_s)
         for frame in frames
-        if frame not in known
+        if frame not in keyed
     ]
     _require_few("keyframes", len(kept) + len(made))
     drafts = [d for d in doc.subject.drafts if not (d.is_found and first <= d.frame <= last)]
@@ -138,7 +138,7 @@ def reduced_session(
 
 def with_reduction(
     state: EditorState,
-    found: Reducible,
+    reducible_motion: Reducible,
     frames: Sequence[int],
     first_motion: FirstMotion | None,
     *,
@@ -146,7 +146,7 @@ def with_reduction(
 ) -> EditorState:
     """Take over the reduced motion, as one step."""
     doc = reduced_session(
-        state.doc, found, frames, state.times_s, first_motion, replacing=replacing
+        state.doc, reducible_motion, frames, state.times_s, first_motion, replacing=replacing
     )
     return state.with_step(doc, LABEL)
 
@@ -183,10 +183,10 @@ def _motion(
         "drafts": lambda: _posed(doc, doc.subject.drafts),
         "imported": lambda: [] if imported is None else _on_keyframes(doc, imported),
     }
-    for one in SOURCES if source is None else (source,):
-        motion = _gathered(doc, makers[one](), first, last)
+    for name in SOURCES if source is None else (source,):
+        motion = _gathered(doc, makers[name](), first, last)
         if np.isfinite(motion.ps_camera_root[:, 0]).sum() > 1:
-            return one, motion
+            return name, motion
     if source is None:
         where = "" if (first, last) == (0, doc.view.video.frame_count - 1) else " in these frames"
         raise ActionRefused(
@@ -249,21 +249,21 @@ def _through(
 
 def _known(motion: Trajectory) -> Trajectory:
     """Cut from the first frame with a pose to the last one."""
-    known = motion.first_frame + np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
-    return require_range(motion, int(known[0]), int(known[-1]))
+    posed_frames = motion.first_frame + np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
+    return require_range(motion, int(posed_frames[0]), int(posed_frames[-1]))
 
 
 # --- limbs alone
 
 
 def _with_limbs_keyed(
-    doc: Session, found: Reducible, frames: Sequence[int], times_s: Array
+    doc: Session, reducible_motion: Reducible, frames: Sequence[int], times_s: Array
 ) -> Session:
     """Set part keyframes at these frames, but for those that are keyframes."""
     skeleton = Skeleton.of(doc.subject.body)
     keyed = {keyframe.frame for keyframe in doc.subject.keyframes}
     part_keyframes = {each.frame: each for each in doc.subject.part_keyframes}
-    limbs = {doc.subject.body.names[i] for i in found.parts or ()}
+    limbs = {doc.subject.body.names[i] for i in reducible_motion.parts or ()}
     for frame in frames:
         if frame in keyed:
             continue
@@ -271,16 +271,19 @@ def _with_limbs_keyed(
             parts = limbs | set(part_keyframes[frame].parts)
             base: Keyframe = part_keyframes[frame]
         else:
-            parts, base = limbs, keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
+            parts, base = (
+                limbs,
+                keyframe_of(skeleton, reducible_motion.motion.pose(frame), frame, times_s),
+            )
         ordered = tuple(name for name in doc.subject.body.names if name in parts)
         part_keyframes[frame] = PartKeyframe(**{**base.model_dump(), "parts": ordered})
     _require_few("part_keyframes", len(part_keyframes))
     return with_part_keyframes(doc, part_keyframes.values())
 
 
-def _require_few(what: str, count: int) -> None:
-    if count > MOST[what]:
+def _require_few(kind: str, count: int) -> None:
+    if count > MOST[kind]:
         raise ReductionError(
-            f"That would be {count} keyframes, and a session holds at most {MOST[what]}: allow a "
+            f"That would be {count} keyframes, and a session holds at most {MOST[kind]}: allow a "
             "larger tolerance, or reduce fewer frames at a time."
         )

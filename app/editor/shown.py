@@ -100,10 +100,10 @@ def ghosts(state: EditorState) -> list[tuple[int, Pose]]:
     after = [key for key in state.keys if key > state.frame][:1]
     here = find(state.settled.subject.keyframes, state.frame)
     own = [] if here is None or is_met(state, here) else [state.frame]
-    found = (
+    neighbours = (
         (frame, find(state.settled.subject.keyframes, frame)) for frame in (*before, *after, *own)
     )
-    return [(frame, key.pose(state.skeleton)) for frame, key in found if key is not None]
+    return [(frame, key.pose(state.skeleton)) for frame, key in neighbours if key is not None]
 
 
 def ghost_transforms(state: EditorState, frame: int, pose: Pose) -> Array:

@@ -103,8 +103,8 @@ class ChangeMask(Edit):
 
     def apply(self, state: EditorState) -> Session:
         old, masks = _require(state, self.index), list(state.doc.view.ignore_masks)
-        given = {"polygon": self.polygon, "first_frame": self.first, "last_frame": self.last}
-        named = {name: v for name, v in {**given, "note": self.note}.items() if v is not None}
+        changes = {"polygon": self.polygon, "first_frame": self.first, "last_frame": self.last}
+        named = {name: v for name, v in {**changes, "note": self.note}.items() if v is not None}
         masks[self.index] = _mask(state, **{**old.model_dump(), **named})
         return _with_masks(state, masks)
 

@@ -139,8 +139,8 @@ class GoToStep(Rewind):
         state = end_stroke(state)
         if self.of != state.history.total or self.done > self.of:
             raise ActionRefused("The history has changed meanwhile. Choose the step again.")
-        way = list(state.history.way_to(state.doc, self.done))
-        return _at_step(state, *way[-1], "go to the step") if way else state
+        steps = list(state.history.way_to(state.doc, self.done))
+        return _at_step(state, *steps[-1], "go to the step") if steps else state
 
 
 class EndStroke(Rewind):
@@ -175,14 +175,16 @@ MESSAGES = (
 )
 
 
-def _at_neighbour(state: EditorState, found: tuple[Step, History] | None, do: str) -> EditorState:
-    if found is None:
+def _at_neighbour(
+    state: EditorState, neighbour: tuple[Step, History] | None, do: str
+) -> EditorState:
+    if neighbour is None:
         raise ActionRefused(f"Nothing to {do}.")
-    return _at_step(state, *found, f"{do} {found[0].label}")
+    return _at_step(state, *neighbour, f"{do} {neighbour[0].label}")
 
 
-def _at_step(state: EditorState, step: Step, history: History, what: str) -> EditorState:
-    require_sound(state.doc, step.doc, what)
+def _at_step(state: EditorState, step: Step, history: History, action: str) -> EditorState:
+    require_sound(state.doc, step.doc, action)
     changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
     return _still_there(changed)
 

@@ -103,11 +103,11 @@ def _nearer_in_turn(both: Array) -> Array:
     The other triple of both is as far from one as that is from the other: whether to change over
     between two frames does not depend on where one is.
     """
-    way = both[1:] - both[:-1, :1]
-    far = ((way - TURN * np.round(way / TURN)) ** 2).sum(axis=-1)
+    steps = both[1:] - both[:-1, :1]
+    far = ((steps - TURN * np.round(steps / TURN)) ** 2).sum(axis=-1)
     changes = np.concatenate([[False], far[:, 1] < far[:, 0]])
-    other = np.logical_xor.accumulate(changes)
-    return np.where(other[:, None], both[:, 1], both[:, 0])
+    takes_second = np.logical_xor.accumulate(changes)
+    return np.where(takes_second[:, None], both[:, 1], both[:, 0])
 
 
 def _clearest(both: Array, keys: NDArray[np.intp], rows: NDArray[np.intp]) -> int:
@@ -217,14 +217,14 @@ def _stopped(part: Part, now: list[float], wanted: list[float]) -> list[float]:
     twist = twist_of(part)
     if twist is None:
         return wanted
-    start, way = np.array(now), np.array(wanted) - now
+    start, change = np.array(now), np.array(wanted) - now
     allowed = JointRange(FREE, twist).widened(rotation_of(now))
 
     def on_the_way(shares: Array) -> Array:
-        return np.stack([rotation_of(start + share * way) for share in shares])
+        return np.stack([rotation_of(start + share * change) for share in shares])
 
-    share = furthest_share(on_the_way, math.radians(float(np.abs(way).max())), allowed)
-    return list((start + share * way).tolist())
+    share = furthest_share(on_the_way, math.radians(float(np.abs(change).max())), allowed)
+    return list((start + share * change).tolist())
 
 
 def rotation_of(angles_xyz_deg: list[float] | Array) -> Array:
@@ -257,7 +257,7 @@ def clamp_to_limits(skeleton: Skeleton, pose: Pose) -> Pose:
 def at_limit(skeleton: Skeleton, pose: Pose, margin_deg: float = 0.05) -> dict[str, list[str]]:
     """The axes of every part that stand at a limit of theirs, or beyond."""
     now = angles_deg(skeleton, pose)
-    found: dict[str, list[str]] = {}
+    axes_of_part: dict[str, list[str]] = {}
     for i, part in enumerate(skeleton.body.parts):
         axes: list[str] = [
             axis
@@ -265,8 +265,8 @@ def at_limit(skeleton: Skeleton, pose: Pose, margin_deg: float = 0.05) -> dict[s
             if axis in part.limits_deg and not _inside(angle, part.limits_deg[axis], margin_deg)
         ]
         if axes:
-            found[part.name] = axes
-    return found
+            axes_of_part[part.name] = axes
+    return axes_of_part
 
 
 def _inside(angle: float, limits: tuple[float, float], margin: float) -> bool:

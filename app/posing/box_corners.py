@@ -197,7 +197,7 @@ def drag_box_corner(
     u, v = view.moved(start, gesture.from_, gesture.at).tolist()
     others = () if gesture.carry else _of_others(placed, handle)
     now = (*others, PlacedCorner(handle.part, handle.index, (u, v)))
-    free_sizes = free_sizes and all(one.parent != handle.part for one in body.parts)
+    free_sizes = free_sizes and all(child.parent != handle.part for child in body.parts)
     fit = _BoxCornerFit.of(context, view, part, corners, now)
     pose = fit.solved()
     missed = fit.missed_px(pose)
@@ -218,9 +218,9 @@ def drag_box_corner(
 
 def _resized(body: Body, part: str, ratios: Array) -> Body:
     """The box with its edges so many times as long."""
-    known = {size.key: size.cm for size in part_sizes(body, part)}
+    cm_of_size = {size.key: size.cm for size in part_sizes(body, part)}
     for key, ratio in zip(("width", "length", "depth"), ratios, strict=True):
-        body = with_size(body, part, key, float(known[key] * ratio), linked=False)
+        body = with_size(body, part, key, float(cm_of_size[key] * ratio), linked=False)
     return body
 
 
@@ -275,7 +275,7 @@ class _BoxCornerFit:
             np.full(len(placed), part),
             corners[[placed_corner.index for placed_corner in placed]],
         )
-        uv = np.array([one.uv for one in placed])
+        uv = np.array([corner.uv for corner in placed])
         scale = np.full(len(placed), 1 / CORNER_SIGMA_PX)
         points_in_picture = PointsInPicture(points, view.camera, uv, scale, NEAREST_M)
         terms: list[Term] = [
@@ -333,8 +333,8 @@ class _BoxCornerFit:
         A face of a box looks nearly the same in both, and more so the farther away it is.
         """
         after = GestureContext.of(self.context.skeleton, pose, False)
-        way = after.placed(self.part, self.seen.points.of_part(self.part)[0][1])
-        d = way / np.sqrt(way @ way)
+        sight = after.placed(self.part, self.seen.points.of_part(self.part)[0][1])
+        d = sight / np.sqrt(sight @ sight)
         mirror = np.eye(3) - 2 * np.outer(d, d)
         R_parent, R = after.R_camera_parent(self.part), after.R_camera_part(self.part)
         axes = (np.diag(np.where(np.arange(3) == k, -1.0, 1.0)) for k in range(3))

@@ -57,9 +57,9 @@ class Chain(LimbChain):
 
     def toward(self, place: Array) -> Reached:
         """The chain with its end at a place (3,) in the camera frame, or straight toward it."""
-        way = place - self.centre
+        offset = place - self.centre
         nearest, farthest = self._range_m()
-        return self._at(self.centre + min(max(length(way), nearest), farthest) * unit(way))
+        return self._at(self.centre + min(max(length(offset), nearest), farthest) * unit(offset))
 
     def _range_m(self) -> tuple[float, float]:
         """The least and the largest distance from the first joint to the end."""
@@ -104,12 +104,12 @@ class Chain(LimbChain):
         """Rotations in the parents' frames, inside their limits."""
         context = self.context
         R_parent = context.R_camera_parent(self.parts[0])
-        found = {}
+        rotations = {}
         for part, by in zip(self.parts, turns, strict=True):
             R_camera_part = by @ context.R_camera_part(part)
-            found[part] = context.allowed(part, R_parent.T @ R_camera_part)
+            rotations[part] = context.allowed(part, R_parent.T @ R_camera_part)
             R_parent = R_camera_part
-        return found
+        return rotations
 
 
 def _least_turns(arms: Array, miss: Array) -> Array:

@@ -90,12 +90,12 @@ class Swivel:
             return across(origin - foot - float((origin - foot) @ axis) / (ray @ axis) * ray, axis)
         return self._along_edge(view.at_depth(goal.at, foot + spoke) - foot, spoke, axis, ray)
 
-    def _along_edge(self, way: Array, spoke: Array, axis: Array, ray: Array) -> Array:
+    def _along_edge(self, offset: Array, spoke: Array, axis: Array, ray: Array) -> Array:
         """(3,) on a circle seen from its edge: as far along it, on the side, near or far, it is."""
         along = unit(cross(axis, ray))
         inward = cross(along, axis)
         radius = length(spoke)
-        moved = min(max(float(way @ along), -radius), radius)
+        moved = min(max(float(offset @ along), -radius), radius)
         depth = math.copysign(math.sqrt(radius**2 - moved**2), float(spoke @ inward))
         return np.asarray(moved * along + depth * inward)
 

@@ -120,10 +120,10 @@ def keep_ends(before: GestureContext, after: Pose, held: Held, moved: Moved) -> 
         bending = _bending(handle, held, moved)
         if len(bending) < 2:
             continue
-        found = _BroughtBack(before, handle, bending, held, moved).found(pose)
-        if found is None:
+        brought_back = _BroughtBack(before, handle, bending, held, moved).found(pose)
+        if brought_back is None:
             continue
-        pose, missed_m = found
+        pose, missed_m = brought_back
         if missed_m > MISSED_M:
             unreached.append(handle.name)
     return Kept(pose, tuple(unreached))

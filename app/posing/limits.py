@@ -96,9 +96,9 @@ def triples(rotations: Array, box: Array | None = None) -> Array:
     """Both Euler triples [x, y, z] (..., 2, 3) of rotations, each angle as near the box's middle
     as full turns allow; without a box within ±pi, the triple with y in ±pi/2 first."""
     z, y, x = np.moveaxis(euler_from_rotation(rotations), -1, 0)
-    one = np.stack([x, y, z], axis=-1)
-    other = np.stack([x + math.pi, math.pi - y, z + math.pi], axis=-1)
-    both = np.stack([one, other], axis=-2)
+    first_triple = np.stack([x, y, z], axis=-1)
+    second_triple = np.stack([x + math.pi, math.pi - y, z + math.pi], axis=-1)
+    both = np.stack([first_triple, second_triple], axis=-2)
     middle = np.zeros(3) if box is None else _middle(box)
     return np.asarray(both - TURN * np.round((both - middle) / TURN))
 
@@ -132,12 +132,12 @@ def nearest_within(rotation: Array, allowed: JointRange | None) -> Array:
     """
     if allowed is None or is_within(rotation, allowed):
         return rotation
-    found = _nearest_in_box(rotation, allowed.box)
+    nearest = _nearest_in_box(rotation, allowed.box)
     for _ in range(_ROUNDS):
-        if is_within(found, allowed):
-            return found
-        found = _nearest_in_box(_untwisted(found, allowed.twist), allowed.box)
-    return _toward_middle(found, allowed)
+        if is_within(nearest, allowed):
+            return nearest
+        nearest = _nearest_in_box(_untwisted(nearest, allowed.twist), allowed.box)
+    return _toward_middle(nearest, allowed)
 
 
 def furthest_share(path: Callable[[Array], Array], angle: float, allowed: JointRange) -> float:
@@ -172,21 +172,21 @@ def _untwisted(rotation: Array, twist: TwistLimits | None) -> Array:
 def _toward_middle(rotation: Array, allowed: JointRange) -> Array:
     """Where angles and twist do not agree soon: on the way to the middle of the box."""
     middle = of_angles(_middle(allowed.box))
-    way = log_rotation(rotation.T @ middle)
+    turn_to_middle = log_rotation(rotation.T @ middle)
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         share = (low + high) / 2
-        inside = is_within(rotation @ exp_rotation(share * way), allowed)
+        inside = is_within(rotation @ exp_rotation(share * turn_to_middle), allowed)
         low, high = (low, share) if inside else (share, high)
-    return np.asarray(rotation @ exp_rotation(high * way))
+    return np.asarray(rotation @ exp_rotation(high * turn_to_middle))
 
 
 def _nearest_in_box(rotation: Array, box: Array) -> Array:
     if _beyond_either(rotation, box) <= SLACK:
         return rotation
     starts = np.clip(triples(rotation, box), box[:, 0], box[:, 1])
-    found = [_descended(rotation, start.tolist(), box) for start in starts]
-    return max(found, key=lambda R: float((R * rotation).sum()))
+    candidates = [_descended(rotation, start.tolist(), box) for start in starts]
+    return max(candidates, key=lambda R: float((R * rotation).sum()))
 
 
 def _beyond_either(rotations: Array, box: Array) -> Array:

@@ -38,11 +38,11 @@ def with_other_side(skeleton: Skeleton, pose: Pose, part: str) -> Pose:
     A part of the middle has no other side; then the pose stays.
     """
     body = skeleton.body
-    own, other = body.index(part), body.index(body.mirror_of(part))
-    if own == other:
+    own, mirrored = body.index(part), body.index(body.mirror_of(part))
+    if own == mirrored:
         return pose
     Rs = pose.Rs_parent_part.copy()
-    Rs[other] = Rs[own] * _FLIP
+    Rs[mirrored] = Rs[own] * _FLIP
     return Pose(Rs, pose.p_camera_root)
 
 
@@ -80,7 +80,7 @@ def _pairs(body: Body) -> tuple[tuple[BodyPoint, ...], tuple[BodyPoint, ...]]:
         k = body.index(body.mirror_of(part.name))
         origin = (0.0, 0.0, 0.0)
         pairs.append((((i, origin),), ((k, origin),)))
-        own, other = (list(p.landmarks.values()) for p in (part, body.parts[k]))
-        if len(own) == len(other):
-            pairs += [(((i, a),), ((k, b),)) for a, b in zip(own, other, strict=True)]
+        own, mirrored = (list(p.landmarks.values()) for p in (part, body.parts[k]))
+        if len(own) == len(mirrored):
+            pairs += [(((i, a),), ((k, b),)) for a, b in zip(own, mirrored, strict=True)]
     return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)

@@ -143,8 +143,8 @@ def depth_text(p_camera: Array, kept: bool) -> str:
     return f"depth {'kept ' if kept else ''}{number_text(float(p_camera[2]), 2)} m"
 
 
-def distance_text(way: Array, line: Array | None) -> str:
+def distance_text(offset: Array, line: Array | None) -> str:
     """How far something was dragged, with a sign along a line: "−12.0 cm"."""
     if line is not None:
-        return f"{number_text(100 * float(way @ unit(line)), 1, sign=True)} cm"
-    return f"{number_text(100 * length(way), 1)} cm"
+        return f"{number_text(100 * float(offset @ unit(line)), 1, sign=True)} cm"
+    return f"{number_text(100 * length(offset), 1)} cm"

@@ -70,9 +70,11 @@ def up_from_vertical(camera: Camera, a: Sequence[float], b: Sequence[float]) -> 
     so the tilt is the least there can be. The order of the ends does not matter.
     """
     view = PointerView.of(camera)
-    start, one = view.ray(a)
-    end, other = view.ray(b)
-    across_line = cross(one, other) if view.is_perspective else cross(end - start, one)
+    start, start_ray = view.ray(a)
+    end, end_ray = view.ray(b)
+    across_line = (
+        cross(start_ray, end_ray) if view.is_perspective else cross(end - start, start_ray)
+    )
     if length(across_line) < 1e-12:
         raise CameraError("A vertical needs a line: its two ends are the same point.")
     return frozen(unit(_within(np.array(CAMERA_UP), unit(across_line))))
@@ -80,8 +82,8 @@ def up_from_vertical(camera: Camera, a: Sequence[float], b: Sequence[float]) -> 
 
 def _within(up: Array, normal: Array) -> Array:
     """`up` turned into the plane; along the picture's right where it stands at right angles."""
-    found = across(up, normal)
-    return found if length(found) > 1e-9 else across(np.array([1.0, 0.0, 0.0]), normal)
+    direction = across(up, normal)
+    return direction if length(direction) > 1e-9 else across(np.array([1.0, 0.0, 0.0]), normal)
 
 
 def tilt_and_roll(up_camera: ArrayLike) -> tuple[float, float]:
@@ -98,13 +100,13 @@ _LEVEL = 1e-3
 """A chest whose direction is this steep has none along the ground."""
 
 
-def facing(pose: Pose, way: Way, up_camera: ArrayLike = CAMERA_UP) -> Pose:
+def facing(pose: Pose, direction: Way, up_camera: ArrayLike = CAMERA_UP) -> Pose:
     """The body turned about the up direction through its root until it faces this way.
 
     Its lean, its place and what the limbs do stay as they are.
     """
     right, down, away = view_rotations(up_camera)["front"]
-    wanted = {"camera": -away, "away": away, "left": -right, "right": right}[way]
+    wanted = {"camera": -away, "away": away, "left": -right, "right": right}[direction]
     R_camera_root = pose.Rs_parent_part[0]
     now = _ahead(R_camera_root, -down)
     angle = math.atan2(float(cross(now, wanted) @ -down), float(now @ wanted))

@@ -97,8 +97,8 @@ class PointerView:
         """(3,) unit direction of the line of sight to a point."""
         if not self.is_perspective:
             return self.away
-        way = p_camera - self.p_camera_eye
-        return np.asarray(way / np.sqrt(way @ way))
+        sight = p_camera - self.p_camera_eye
+        return np.asarray(sight / np.sqrt(sight @ sight))
 
     def depth(self, p_camera: Array) -> Array:
         """Metres (...) from the eye of points (..., 3), or from the camera's centre where rays are

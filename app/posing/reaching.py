@@ -84,8 +84,8 @@ def _middle_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held
     seen_limb = held.limb_in_picture(limb, end, limb.context)
     if seen_limb is not None:
         return seen_limb.with_middle(goal.at, seen_limb.end_at)
-    way = Swivel if end in held.placed | held.pinned else Elbow
-    return way(limb).reach(view, goal)
+    drag = Swivel if end in held.placed | held.pinned else Elbow
+    return drag(limb).reach(view, goal)
 
 
 def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: Held) -> Reached:
@@ -99,19 +99,19 @@ def _end_dragged(limb: TwoBones, view: PointerView, goal: Aim, end: str, held: H
     along = smooth_step((drawn - CORRECTED) / (DRAWN_FAR - CORRECTED))
     context = limb.context
     after = GestureContext.of(context.skeleton, context.turned(reached.rotations), False)
-    way = view.project(after.joint(limb.lower)) - seen_limb.middle_at
-    if not np.isfinite(way).all():  # drawn behind the camera
+    offset = view.project(after.joint(limb.lower)) - seen_limb.middle_at
+    if not np.isfinite(offset).all():  # drawn behind the camera
         return reached
 
     def taken(share: float) -> Reached:
-        return seen_limb.with_end(seen_limb.middle_at + share * way, goal.at)
+        return seen_limb.with_end(seen_limb.middle_at + share * offset, goal.at)
 
-    def missed_px(found: Reached) -> float:
-        posed = GestureContext.of(context.skeleton, context.turned(found.rotations), False)
+    def missed_px(candidate: Reached) -> float:
+        posed = GestureContext.of(context.skeleton, context.turned(candidate.rotations), False)
         return length(view.project(posed.placed(limb.lower, limb.tip)) - goal.at)
 
     allowed = missed_px(reached) + MISSED_PX
-    return _least(taken, along, lambda found: missed_px(found) <= allowed) or reached
+    return _least(taken, along, lambda candidate: missed_px(candidate) <= allowed) or reached
 
 
 def _least(
@@ -186,10 +186,10 @@ def _miss_m(view: PointerView, goal: Aim, reached: Reached, after: Array) -> flo
     direction of the pointer, which is all that is asked.
     """
     wanted = goal.p_camera if goal.line is not None else view.at_depth(goal.at, after)
-    radius, way = length(after - reached.centre), wanted - reached.centre
+    radius, offset = length(after - reached.centre), wanted - reached.centre
     is_bone = abs(radius - reached.radius_m) < 1e-9
     if is_bone and (goal.line is not None or view.camera is None):
-        flat = way if goal.line is not None else across(way, view.away)
+        flat = offset if goal.line is not None else across(offset, view.away)
         now = after - reached.centre
         now = now if goal.line is not None else across(now, view.away)
         if length(flat) < length(now):

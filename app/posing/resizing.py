@@ -108,10 +108,10 @@ def with_shape(body: Body, part: str, kind: str, *, linked: bool = True) -> Body
         raise BodyError(f"There is no shape {kind!r}; the shapes are {', '.join(KINDS)}.")
     names = {part, body.mirror_of(part)} if linked else {part}
 
-    def change(given: Part) -> Part:
-        if given.name not in names or given.shape.kind == kind:
-            return given
-        return given.model_copy(update={"shape": KINDS[kind].like(given.shape)})
+    def change(part_before: Part) -> Part:
+        if part_before.name not in names or part_before.shape.kind == kind:
+            return part_before
+        return part_before.model_copy(update={"shape": KINDS[kind].like(part_before.shape)})
 
     return with_parts(body, map(change, body.parts))
 
@@ -124,23 +124,26 @@ def with_size(body: Body, part: str, key: str, cm: float, *, linked: bool = True
     """
     names = {part, body.mirror_of(part)} if linked else {part}
     for name in (part, *sorted(names - {part})):
-        known = [size.key for size in body.parts[body.index(name)].shape.sizes()]
-        if key not in known:
-            raise BodyError(f"Part {name!r} has no size {key!r}; its sizes are {', '.join(known)}.")
+        keys = [size.key for size in body.parts[body.index(name)].shape.sizes()]
+        if key not in keys:
+            raise BodyError(f"Part {name!r} has no size {key!r}; its sizes are {', '.join(keys)}.")
     _require_between("size", cm, SMALLEST_CM, LARGEST_CM)
 
-    def change(given: Part) -> Part:
+    def change(part_before: Part) -> Part:
         update: dict[str, object] = {}
-        if given.name in names:
-            new = given.shape.with_size(key, _metres(key, cm))
-            carry = _carrier(given.shape, new)
-            update = {"shape": new, "landmarks": {k: carry(p) for k, p in given.landmarks.items()}}
-        if given.parent in names:
-            parent = body.parts[body.index(given.parent)].shape
+        if part_before.name in names:
+            new = part_before.shape.with_size(key, _metres(key, cm))
+            carry = _carrier(part_before.shape, new)
+            update = {
+                "shape": new,
+                "landmarks": {k: carry(p) for k, p in part_before.landmarks.items()},
+            }
+        if part_before.parent in names:
+            parent = body.parts[body.index(part_before.parent)].shape
             update["joint_m"] = _carrier(parent, parent.with_size(key, _metres(key, cm)))(
-                given.joint_m
+                part_before.joint_m
             )
-        return given.model_copy(update=update) if update else given
+        return part_before.model_copy(update=update) if update else part_before
 
     return with_parts(body, tuple(map(change, body.parts)))
 
@@ -164,9 +167,9 @@ def with_height(body: Body, cm: float) -> Body:
     return modify.with_height(body, cm / 100)
 
 
-def _require_between(what: str, cm: float, low: float, high: float) -> None:
+def _require_between(quantity: str, cm: float, low: float, high: float) -> None:
     if not (math.isfinite(cm) and low <= cm <= high):
-        raise BodyError(f"The {what} must lie between {low:g} and {high:g} cm.")
+        raise BodyError(f"The {quantity} must lie between {low:g} and {high:g} cm.")
 
 
 def _span(cm: float) -> tuple[float, float]:
@@ -183,12 +186,12 @@ def _role(kind: str, key: str, keys: Sequence[str]) -> SizeRole:
 def _labels(kind: str, keys: Sequence[str]) -> Iterator[str]:
     own = _LABELS_OF_AXES.get(kind, {}) if "depth" in keys else {}
     for key in keys:
-        end, _, what = key.rpartition("_")
+        end, _, quantity = key.rpartition("_")
         if not end:
-            yield own.get(key, "Width" if what == "radius" else key.capitalize())
+            yield own.get(key, "Width" if quantity == "radius" else key.capitalize())
             continue
         place = _ENDS.get(kind, ("joint", "end"))[end == "end"]
-        yield f"{'Width' if what == 'radius' else what.capitalize()} at {place}"
+        yield f"{'Width' if quantity == 'radius' else quantity.capitalize()} at {place}"
 
 
 def _carrier(before: Shape, after: Shape) -> Callable[[Point], Point]:
@@ -216,12 +219,12 @@ def resize_by_drag(
     if handle.key == "joint":
         return _joint_moved(context, view, gesture, part, linked)
     key = _key(context, handle)
-    way = _way(context, view, gesture, part, key)
+    metres = _way(context, view, gesture, part, key)
     if gesture.snap:
-        way = round(way / STEP_M) * STEP_M
+        metres = round(metres / STEP_M) * STEP_M
     body = context.skeleton.body
     size = next(size for size in part_sizes(body, handle.part) if size.key == key)
-    cm = min(max(size.cm + 100 * way * _worth(key), SMALLEST_CM), LARGEST_CM)
+    cm = min(max(size.cm + 100 * metres * _worth(key), SMALLEST_CM), LARGEST_CM)
     changed = with_size(body, handle.part, key, cm, linked=linked)
     readout = Readout(
         label=size.label,
@@ -235,16 +238,16 @@ def resize_by_drag(
 def _key(context: GestureContext, handle: SizeHandle) -> str:
     """The size that is meant; "radius" of a tapered part is the one at the handle's side."""
     body = context.skeleton.body
-    known = [size.key for size in part_sizes(body, handle.part)]
-    if handle.key in known:
+    keys = [size.key for size in part_sizes(body, handle.part)]
+    if handle.key in keys:
         return handle.key
     end = "start" if handle.side == "joint" else "end"
     meant = [f"{end}_{handle.key}", *([f"{end}_width"] if handle.key == "radius" else [])]
     for key in meant:
-        if key in known:
+        if key in keys:
             return key
     raise BodyError(
-        f"Part {handle.part!r} has no size {handle.key!r}; its sizes are {', '.join(known)}."
+        f"Part {handle.part!r} has no size {handle.key!r}; its sizes are {', '.join(keys)}."
     )
 
 
@@ -274,8 +277,8 @@ def _way(
 def _along(axis: Array, pulled: Array, view: PointerView, joint: Array) -> float:
     """Metres along an axis, given as it is seen: units of the view for a metre."""
     unit_of_view = 1.0 / view.metres_per_unit(joint)
-    seen = length(axis) / unit_of_view
-    if seen < _SEEN:
+    shown_length = length(axis) / unit_of_view
+    if shown_length < _SEEN:
         return -float(pulled[1]) / unit_of_view
     return float(pulled @ axis) / float(axis @ axis)
 

@@ -166,24 +166,24 @@ class SeenLimb:
         limb, context = self.limb, self.limb.context
         after = GestureContext.of(context.skeleton, context.turned(bent.rotations), True)
         R, joint = after.R_camera_part(limb.lower), after.joint(limb.lower)
-        way, wanted = unit(R @ limb.tip), unit(end - joint)
-        lacking = math.acos(min(max(float(way @ wanted), -1.0), 1.0))
+        tip, wanted = unit(R @ limb.tip), unit(end - joint)
+        lacking = math.acos(min(max(float(tip @ wanted), -1.0), 1.0))
         share = 1.0 - smooth_step((lacking - SIDEWAYS) / (NOT_SIDEWAYS - SIDEWAYS))
         if lacking < 1e-6 or share == 0.0 or context.joint_range(limb.lower) is None:
             return bent
-        by = turn(unit(cross(way, wanted)), share * lacking)
+        by = turn(unit(cross(tip, wanted)), share * lacking)
         lower = context.allowed(limb.lower, after.R_camera_parent(limb.lower).T @ by @ R)
         return Reached({**bent.rotations, limb.lower: lower}, bent.centre, bent.radius_m)
 
 
 def _side_of(limb: TwoBones, view: PointerView, poses: Sequence[Pose]) -> float:
     """How far beyond the first joint the middle one lies in poses, in bone lengths."""
-    found = []
+    depths = []
     for pose in poses:
         p = pose_transforms(limb.context.skeleton, pose)[:, :3, 3]
         first, middle = p[limb.upper], p[limb.lower]
-        found.append(float(unit(middle - first) @ view.ray_through(middle)))
-    return sum(found) / len(found) if found else 0.0
+        depths.append(float(unit(middle - first) @ view.ray_through(middle)))
+    return sum(depths) / len(depths) if depths else 0.0
 
 
 def _nearest_root(a: float, b: float, c: float, start: float) -> float:

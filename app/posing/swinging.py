@@ -93,18 +93,18 @@ def under_pointer(
     beside = length(foot)
     if beside >= radius:
         return np.asarray(centre + radius / beside * foot)
-    way = foot + share * math.sqrt(radius**2 - beside**2) * ray
-    return np.asarray(centre + radius * unit(way))
+    from_centre = foot + share * math.sqrt(radius**2 - beside**2) * ray
+    return np.asarray(centre + radius * unit(from_centre))
 
 
-def keeps_level(view: PointerView, way: Array, radius: float) -> bool:
-    """Whether a drag in this view leaves the depth of a point alone, which lies `way` (3,)
+def keeps_level(view: PointerView, offset: Array, radius: float) -> bool:
+    """Whether a drag in this view leaves the depth of a point alone, which lies `offset` (3,)
     from the centre of its sphere.
 
     Each small view is there to set what the others do not show. Not on the picture, nor where so
     little of the sphere is at that depth that nothing could move.
     """
-    return view.camera is None and abs(float(way @ view.away)) <= _TOP * radius
+    return view.camera is None and abs(float(offset @ view.away)) <= _TOP * radius
 
 
 def in_level(view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array) -> Array:
@@ -113,9 +113,9 @@ def in_level(view: PointerView, goal: Aim, centre: Array, radius: float, p_befor
     height = float((p_before - centre) @ view.away)
     height = min(max(height, -radius), radius)
     middle = centre + height * view.away
-    way = across(goal.p_camera - middle, view.away)
-    way = way if length(way) > 1e-9 else across(p_before - middle, view.away)
-    return np.asarray(middle + math.sqrt(radius**2 - height**2) * unit(way))
+    beside = across(goal.p_camera - middle, view.away)
+    beside = beside if length(beside) > 1e-9 else across(p_before - middle, view.away)
+    return np.asarray(middle + math.sqrt(radius**2 - height**2) * unit(beside))
 
 
 def farness(

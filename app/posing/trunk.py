@@ -126,9 +126,9 @@ class _Trunk:
     def _near(self) -> Array:
         """(3,) the goal, or as far on the way to it as the trunk follows by itself."""
         start = self.context.joint(self._dragged)
-        way = self.goal.p_camera - start
-        far = length(way)
-        return start + way * (YIELD_M * math.tanh(far / YIELD_M) / far) if far > 0 else start
+        offset = self.goal.p_camera - start
+        far = length(offset)
+        return start + offset * (YIELD_M * math.tanh(far / YIELD_M) / far) if far > 0 else start
 
     def _places(self, skeleton: Skeleton) -> list[Term]:
         """The dragged joint under the pointer, the kept ones in their places."""
@@ -147,7 +147,7 @@ class _Trunk:
         p = np.array(now if goal is None else [goal])
         if self.goal.line is not None or camera is None or not self.view.is_films:
             return PointsInSpace(points, p, sigma_m)
-        scale = np.array([self.view.metres_per_unit(one) for one in p]) / sigma_m
+        scale = np.array([self.view.metres_per_unit(point) for point in p]) / sigma_m
         return PointsInPicture(points, camera, self.view.project(p), scale, NEAREST_M)
 
     def _priors(self, skeleton: Skeleton) -> list[Term]:

@@ -82,10 +82,10 @@ def pointer_angle(view: PointerView, centre: Array, axis: Array, gesture: Gestur
     return math.atan2(a * d - b * c, a * c + b * d)
 
 
-def _along_edge(slope: Array, away: Array, axis: Array, way: Array) -> float:
-    """Radians for a way (2,) of the pointer along the near side of a ring seen from its edge."""
+def _along_edge(slope: Array, away: Array, axis: Array, moved: Array) -> float:
+    """Radians for the pointer moved (2,) along the near side of a ring seen from its edge."""
     tangent = slope @ cross(axis, unit(across(-away, axis)))
-    return float(way @ tangent) / float(tangent @ tangent) / EDGE_RADIUS_M
+    return float(moved @ tangent) / float(tangent @ tangent) / EDGE_RADIUS_M
 
 
 def _turned(

@@ -47,14 +47,14 @@ def within_reach(
         return goal.p_camera
     radius = farthest_m if away > farthest_m else nearest_m
     if goal.line is not None:
-        found = _on_line(goal.line, goal.p_camera, p_before, centre, radius)
+        p_goal = _on_line(goal.line, goal.p_camera, p_before, centre, radius)
     else:
         if away < nearest_m:
             return _pushed_out(view, goal, centre, radius)
         if keeps_level(view, p_before - centre, radius):
             return in_level(view, goal, centre, radius, p_before)
-        found = _under_pointer(view, goal, centre, radius)
-    return np.asarray(centre + radius * unit(found - centre))
+        p_goal = _under_pointer(view, goal, centre, radius)
+    return np.asarray(centre + radius * unit(p_goal - centre))
 
 
 def _under_pointer(view: PointerView, goal: Aim, centre: Array, radius: float) -> Array:
@@ -71,9 +71,9 @@ def _under_pointer(view: PointerView, goal: Aim, centre: Array, radius: float) -
 def _pushed_out(view: PointerView, goal: Aim, centre: Array, radius: float) -> Array:
     """(3,) the goal pushed straight nearer or farther, whichever it is of the centre, until it
     leaves the sphere around it."""
-    way = goal.p_camera - centre
-    height = float(way @ view.away)
-    beside = way - height * view.away
+    offset = goal.p_camera - centre
+    height = float(offset @ view.away)
+    beside = offset - height * view.away
     depth = math.sqrt(radius**2 - float(beside @ beside))
     return np.asarray(centre + beside + math.copysign(depth, height) * view.away)
 
@@ -88,8 +88,8 @@ def _on_line(direction: Array, place: Array, before: Array, centre: Array, radiu
     if gap >= radius:
         return np.asarray(foot)
     inside = length(place - centre) < radius
-    way = (before if inside else place) - foot
-    sign = math.copysign(1.0, float(way @ direction))
+    offset = (before if inside else place) - foot
+    sign = math.copysign(1.0, float(offset @ direction))
     return np.asarray(foot + sign * math.sqrt(radius**2 - gap**2) * direction)
 
 
@@ -261,9 +261,9 @@ class TwoBones:
 
     def toward(self, place: Array) -> Reached:
         """The limb with its end at a place (3,) in the camera frame, or straight toward it."""
-        hinge, way = self.hinge, place - self.centre
-        away = min(max(length(way), hinge.nearest_m), hinge.farthest_m)
-        return self._at(self.centre + away * unit(way), length(place - self.end))
+        hinge, offset = self.hinge, place - self.centre
+        away = min(max(length(offset), hinge.nearest_m), hinge.farthest_m)
+        return self._at(self.centre + away * unit(offset), length(place - self.end))
 
     def _at(self, place: Array, drawn_m: float) -> Reached:
         """The limb with its end at a place within reach. drawn_m: how far that was drawn."""

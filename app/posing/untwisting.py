@@ -81,7 +81,10 @@ def untwisted_limb(skeleton: Skeleton, pose: Pose, part: int) -> Pose:
         Rs[part] = R @ exp_rotation(by)
         tried.append((moved_m, abs(twist), Pose(Rs, pose.p_camera_root)))
     least = min(moved_m for moved_m, _, _ in tried)
-    return min((one for one in tried if one[0] <= least + SAME_M), key=lambda one: one[1])[2]
+    return min(
+        (tried_turn for tried_turn in tried if tried_turn[0] <= least + SAME_M),
+        key=lambda tried_turn: tried_turn[1],
+    )[2]
 
 
 def twist_range(context: GestureContext, part: int, drawn_m: float) -> JointRange | None:

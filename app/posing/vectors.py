@@ -34,9 +34,9 @@ def across(a: Array, axis: Array) -> Array:
 
 def any_across(axis: Array) -> Array:
     """Some unit vector at right angles to a unit axis."""
-    other = np.zeros(3)
-    other[int(np.argmin(np.abs(axis)))] = 1.0
-    return unit(across(other, axis))
+    least_axis = np.zeros(3)
+    least_axis[int(np.argmin(np.abs(axis)))] = 1.0
+    return unit(across(least_axis, axis))
 
 
 def turn(axis: Array, angle_rad: float) -> Array:

@@ -165,8 +165,8 @@ def sweep(folder: Path, *, is_locked: bool = False, old_seconds: float = OLD_SEC
     """
     with suppress(OSError):  # a folder that cannot be listed keeps what it has
         with os.scandir(folder) as entries:
-            found = [entry for entry in entries if _PART.fullmatch(entry.name)]
-        for entry in found:
+            parts = [entry for entry in entries if _PART.fullmatch(entry.name)]
+        for entry in parts:
             with suppress(OSError):  # gone already, or not ours to remove
                 if _is_left(entry, is_locked, old_seconds):
                     Path(entry.path).unlink()

@@ -95,10 +95,10 @@ def _stretch(content: bytes) -> DetectionWindow:
     counts = lost_for.shape == (count,) and lost_for.dtype == np.int64
     if not fits or not numbers or not counts or len(masks) != count:
         raise ValueError("its entries do not fit together")
-    seen = np.isfinite(arrays["uv"]).all(axis=(1, 2))
-    if not np.isfinite(arrays["regions"]).all() or (lost_for[seen] != 0).any():
+    is_seen = np.isfinite(arrays["uv"]).all(axis=(1, 2))
+    if not np.isfinite(arrays["regions"]).all() or (lost_for[is_seen] != 0).any():
         raise ValueError("it holds no stretch")
-    if not np.array_equal([mask is not None for mask in masks], seen):
+    if not np.array_equal([mask is not None for mask in masks], is_seen):
         raise ValueError("its masks are of other frames")
     return DetectionWindow(**{name: arrays[name] for name in (*_ROWS, *_STATE)}, masks=masks)
 

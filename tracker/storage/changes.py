@@ -39,13 +39,13 @@ _VALUES: dict[str, TypeAdapter[Any]] = {
 
 def changes(before: Session, after: Session) -> Changes:
     """The changes that turn `before` into `after`."""
-    found: Changes = {}
+    changed_fields: Changes = {}
     for name in FIELDS:
         was, now = before.value(name), after.value(name)
         if now is was or now == was:
             continue
-        found[name] = _listed(was, now) if name in LISTED else _plain(name, now)
-    return found
+        changed_fields[name] = _listed(was, now) if name in LISTED else _plain(name, now)
+    return changed_fields
 
 
 def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
@@ -78,8 +78,8 @@ def require_sound(before: Session, after: Session) -> None:
         return
     posed = after.subject.posed
     if not change.keys() & {"video", "camera", "body"}:  # what every pose is checked against
-        known = {id(pose) for pose in before.subject.posed}
-        posed = tuple(pose for pose in posed if id(pose) not in known)
+        ids_before = {id(pose) for pose in before.subject.posed}
+        posed = tuple(pose for pose in posed if id(pose) not in ids_before)
     require_fit(after, after.subject, posed)
 
 
@@ -102,9 +102,9 @@ def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
     keyframes = {keyframe.frame: keyframe for keyframe in was}
     frames = {keyframe.frame for keyframe in now}
     fresh = [
-        one
-        for one in now
-        if keyframes.get(one.frame) is not one and keyframes.get(one.frame) != one
+        each
+        for each in now
+        if keyframes.get(each.frame) is not each and keyframes.get(each.frame) != each
     ]
     return {
         "set": [keyframe.model_dump(mode="json") for keyframe in fresh],

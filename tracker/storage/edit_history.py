@@ -98,8 +98,10 @@ def without_results(session: Session) -> Session:
 
 def with_results_of(doc: Session, tracked: Session) -> Session:
     """The document with the results of another state of the session, each of its own body."""
-    found = {body.id: body.results for body in tracked.bodies}
-    bodies = tuple(body.model_copy(update={"results": found.get(body.id)}) for body in doc.bodies)
+    results_of_body = {body.id: body.results for body in tracked.bodies}
+    bodies = tuple(
+        body.model_copy(update={"results": results_of_body.get(body.id)}) for body in doc.bodies
+    )
     return doc.model_copy(update={"bodies": bodies})
 
 
@@ -149,9 +151,9 @@ def single_steps(before: Moment, after: Moment) -> Iterator[tuple[Moment, Moment
     done = len(after.history.past)
     last = before
     if after.history.total == before.history.total and abs(done - len(before.history.past)) > 1:
-        way = list(before.history.way_to(before.doc, done))
-        if way and way[-1][0].doc is after.doc:
-            for step, history in way[:-1]:
+        steps = list(before.history.way_to(before.doc, done))
+        if steps and steps[-1][0].doc is after.doc:
+            for step, history in steps[:-1]:
                 here = Moment(step.doc, history, step.frame, after.received)
                 yield last, here
                 last = here
@@ -197,12 +199,12 @@ def recover(session: Session, records: Sequence[Record]) -> Recovered:
     if last is None or not is_same_film(last.doc, doc):
         return alone
     mark = mark_of(doc)
-    known = [k for k in range(saved, len(marks)) if mark in marks[k]]
-    if known:
+    matching = [k for k in range(saved, len(marks)) if mark in marks[k]]
+    if matching:
         newest = of_film(last, doc)
         if not _fits_together(newest.doc):
             return alone
-        return Recovered(newest, len(marks) - 1 - known[-1], follows=True)
+        return Recovered(newest, len(marks) - 1 - matching[-1], follows=True)
     last = of_film(last, doc)
     history = last.history.after(last.doc, OUTSIDE, last.frame)
     theirs = replace(last.received, revision="")  # the file has none
@@ -233,8 +235,8 @@ def _replay(records: Sequence[Record]) -> tuple[Moment | None, list[set[str]], i
     saved, is_older = 0, False
     for record in records:
         if "saved" in record:
-            found = [k for k in range(saved, len(marks)) if record["saved"] in marks[k]]
-            saved = found[-1] if found else saved
+            matching = [k for k in range(saved, len(marks)) if record["saved"] in marks[k]]
+            saved = matching[-1] if matching else saved
             continue
         if "base" in record:
             last, is_older = _base(record), record["base"].get("schema_version") != PRESENT
@@ -287,9 +289,9 @@ def _step_record(step: Step, doc: Session) -> Record:
 
 
 def _steps(records: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]:
-    for one in records:
-        doc_there = apply_changes(doc, one["doc"])
-        yield Step(doc_there, str(one["label"]), int(one["frame"]), _made(one.get("made")))
+    for entry in records:
+        doc_there = apply_changes(doc, entry["doc"])
+        yield Step(doc_there, str(entry["label"]), int(entry["frame"]), _made(entry.get("made")))
 
 
 def _made(value: Any) -> float | None:
@@ -311,8 +313,8 @@ def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int
 def _common(before: Sequence[Step], after: Sequence[Step]) -> int:
     """How many steps both begin with."""
     count = 0
-    for step, other in zip(before, after, strict=False):
-        if not step.is_same(other):
+    for step, step_after in zip(before, after, strict=False):
+        if not step.is_same(step_after):
             break
         count += 1
     return count

@@ -188,10 +188,10 @@ def _back_up(path: Path, there: bytes) -> None:
         write_file(kept, there, error=SessionError)
 
 
-def set_aside(path: Path, known: Collection[bytes]) -> Path | None:
+def set_aside(path: Path, own_contents: Collection[bytes]) -> Path | None:
     """Keep what another program wrote into a session file, before it is saved over.
 
-    known: contents that this program has read or written itself.  Returns the copy, None where
+    own_contents: what this program has read or written itself.  Returns the copy, None where
     nothing else was written. SessionError when it cannot be kept.
     """
     try:
@@ -202,7 +202,7 @@ def set_aside(path: Path, known: Collection[bytes]) -> Path | None:
         ) from error
     except OSError:  # nothing there that could be lost
         return None
-    if there in known:
+    if there in own_contents:
         return None
     copy = path.with_name(f"{path.stem}.theirs-{hashlib.sha256(there).hexdigest()[:8]}.json")
     if not os.path.lexists(copy):
@@ -246,10 +246,10 @@ def open_video_of(session: Session, session_path: Path) -> Video:
     try:
         return _open_as(session, session_path, path)
     except SessionError:
-        found = find_moved(session, session_path, path)
-        if found is None:
+        moved = find_moved(session, session_path, path)
+        if moved is None:
             raise
-        return _open_as(session, session_path, found)
+        return _open_as(session, session_path, moved)
 
 
 def _open_as(session: Session, session_path: Path, path: Path) -> Video:

@@ -130,10 +130,10 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
     """What counts within a segment: masks, corrected keypoints, an own motion, and where
     depth is lifted, which of its keyframes nobody posed."""
-    found = [*_masks_and_corrections(session, span), *_own_start(session, span)]
+    evidence = [*_masks_and_corrections(session, span), *_own_start(session, span)]
     drafted = [end.frame for end in ends if end.drafted and lifts_depth(session)]
-    found += [{"not_posed": drafted}] if drafted else []
-    return [*found, *_steadied(session, span)]
+    evidence += [{"not_posed": drafted}] if drafted else []
+    return [*evidence, *_steadied(session, span)]
 
 
 def steady_camera(session: Session) -> SteadyCamera | None:
@@ -219,15 +219,15 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
         for mask in session.view.ignore_masks
         if mask.first_frame <= last and mask.last_frame >= first
     ]
-    found: list[Any] = [*sorted(within), *_drafted(session, span)]
+    evidence: list[Any] = [*sorted(within), *_drafted(session, span)]
     if not _uses_keypoints(session):
-        return found
+        return evidence
     corrected = [
         [each.frame, each.joint, each.uv]
         for each in session.view.keypoint_corrections
         if first <= each.frame <= last
     ]
-    return [*found, {"keypoints": corrected}] if corrected else found
+    return [*evidence, {"keypoints": corrected}] if corrected else evidence
 
 
 def has_drafted_keypoints(session: Session) -> bool:
@@ -262,8 +262,8 @@ def lifts_depth(session: Session) -> bool:
 
 def _frames_looked_beyond(session: Session) -> int:
     """How many frames before and after a segment, at most, its depth is lifted from."""
-    keyframe, other = session.subject.keyframes[0], session.subject.keyframes[-1]
-    rate = (other.frame - keyframe.frame) / max(other.time_s - keyframe.time_s, 1e-6)
+    keyframe, last = session.subject.keyframes[0], session.subject.keyframes[-1]
+    rate = (last.frame - keyframe.frame) / max(last.time_s - keyframe.time_s, 1e-6)
     return math.ceil(LIFTED_FROM_S * float(rate))
 
 

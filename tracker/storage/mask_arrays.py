@@ -29,7 +29,7 @@ def arrays_of_masks(masks: Sequence[PersonMask | None]) -> dict[str, NDArray[Any
     return {
         "looked": np.array([nowhere if m is None else astuple(m.region) for m in masks]),
         "packed": np.frombuffer(b"".join(packed), np.uint8),
-        "lengths": np.array([len(one) for one in packed], dtype=np.int64),
+        "lengths": np.array([len(mask_bytes) for mask_bytes in packed], dtype=np.int64),
     }
 
 

@@ -128,11 +128,11 @@ def _recognised(name: str, content: bytes, source: str, pipeline: bytes | None) 
 def remove_network(name: str) -> None:
     """Remove an added network; KeypointError in one sentence when there is none, or it comes with
     Keypose."""
-    known = next((model for model in MODELS if model.name == name), None)
-    if known is not None and known.bundled:
+    listed_model = next((model for model in MODELS if model.name == name), None)
+    if listed_model is not None and listed_model.bundled:
         raise KeypointError(f"The {name} network comes with Keypose and cannot be removed.")
-    if known is not None and known.is_here:
-        _discard(known.path)
+    if listed_model is not None and listed_model.is_here:
+        _discard(listed_model.path)
     elif name in added_names():
         _discard(added_file(name).with_suffix(".json"), added_file(name))
     else:
@@ -174,15 +174,17 @@ def _unzipped(content: bytes, source: str) -> tuple[bytes, bytes | None]:
     written by the names in it."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            found = [entry for entry in archive.infolist() if _is_called(entry.filename, _IN_ZIP)]
-            if len(found) != 1:
-                raise KeypointError(f"{source} holds {len(found) or 'no'} {_IN_ZIP}.")
-            beside = str(PurePosixPath(found[0].filename).with_name(_PIPELINE))
+            networks = [
+                entry for entry in archive.infolist() if _is_called(entry.filename, _IN_ZIP)
+            ]
+            if len(networks) != 1:
+                raise KeypointError(f"{source} holds {len(networks) or 'no'} {_IN_ZIP}.")
+            beside = str(PurePosixPath(networks[0].filename).with_name(_PIPELINE))
             pipelines = [e for e in archive.infolist() if str(PurePosixPath(e.filename)) == beside]
             pipeline = None
             if pipelines:
                 pipeline = _entry(archive, pipelines[0], source, LARGEST_PIPELINE_BYTES)
-            return _entry(archive, found[0], source, LARGEST_BYTES), pipeline
+            return _entry(archive, networks[0], source, LARGEST_BYTES), pipeline
     except (
         *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
         *(RuntimeError, NotImplementedError, OverflowError, ValueError),  # encrypted, odd, wrong

@@ -82,14 +82,14 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
         reasons.append(f"{session.evidence.words.setup} have changed")
     camera = ["the camera's motion"] if _may_move(session) else []
     if keyed and moved:
-        some = ["pins", "the floor", "smoothing", *camera, "the frame rate"]
-        reasons.append(f"{_either(some)} have changed")
+        causes = ["pins", "the floor", "smoothing", *camera, "the frame rate"]
+        reasons.append(f"{_either(causes)} have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
     part_keyframes = ["part keyframes"] if session.subject.part_keyframes else []
     keypoints = ["keypoints"] if session.view.keypoint_corrections else []
-    other = _either([*part_keyframes, "settings", *keypoints, *camera])
-    return reasons or ([f"{other} have changed"] if keyed else [])
+    other_causes = _either([*part_keyframes, "settings", *keypoints, *camera])
+    return reasons or ([f"{other_causes} have changed"] if keyed else [])
 
 
 def _may_move(session: Session) -> bool:

@@ -48,9 +48,11 @@ def keep_seconds_a_frame(network: str, seconds: float) -> None:
         return
     path = _path()
     with suppress(OSError, KeyposeError):
-        known = _read(path) | {network: round(seconds, 5)}
+        seconds_of_network = _read(path) | {network: round(seconds, 5)}
         make_folder(path.parent, error=KeyposeError)
-        write_file(path, json.dumps(known).encode(), overwrite=True, error=KeyposeError)
+        write_file(
+            path, json.dumps(seconds_of_network).encode(), overwrite=True, error=KeyposeError
+        )
 
 
 def known_or_measured(network: str) -> float:
@@ -58,9 +60,9 @@ def known_or_measured(network: str) -> float:
     KeypointError as of `open_detector`."""
     from keypose.tracker.keypoints.detectors import open_detector  # loads what only this needs
 
-    known = seconds_a_frame(network)
-    if known is not None:
-        return known
+    kept_seconds = seconds_a_frame(network)
+    if kept_seconds is not None:
+        return kept_seconds
     seconds = measured_seconds_a_frame(open_detector(find_model(network)))
     keep_seconds_a_frame(network, seconds)
     return seconds
@@ -90,10 +92,10 @@ def _paces(path: Path, _stamp: int) -> dict[str, float]:
 
 def _read(path: Path) -> dict[str, float]:
     try:
-        found = json.loads(read_own(path, MOST_BYTES))
+        content = json.loads(read_own(path, MOST_BYTES))
         return {
             str(name): float(seconds)
-            for name, seconds in found.items()
+            for name, seconds in content.items()
             if 0.0 < float(seconds) < SLOWEST_S
         }
     except (OSError, ValueError, TypeError, AttributeError):

@@ -48,12 +48,12 @@ from keypose.tracker.storage.atomic import write_file
 from keypose.tracker.storage.mask_arrays import MASK_ARRAYS, arrays_of_masks, masks_of_arrays
 
 
-def carry_beside(session: Session, folder: Path, other: Path) -> None:
+def carry_beside(session: Session, folder: Path, target: Path) -> None:
     """Copy the session's imported motion and its keypoints to another folder; SessionError when
     one cannot be written there."""
     for reference in (session.subject.first_motion, session.view.keypoints):
         if reference is not None:
-            _carry(folder / reference.file, other / reference.file)
+            _carry(folder / reference.file, target / reference.file)
 
 
 def _carry(source: Path, place: Path) -> None:
@@ -108,16 +108,16 @@ def _overlaid(trajectory: Trajectory, motion: Trajectory) -> Trajectory:
     frames = max(trajectory.last_frame, motion.last_frame) - first + 1
     Rs = np.full((frames, *motion.Rs_parent_part.shape[1:]), np.nan)
     ps = np.full((frames, 3), np.nan)
-    for one in (trajectory, motion):
-        there = np.isfinite(one.ps_camera_root).all(axis=1)
-        rows = one.first_frame - first + np.flatnonzero(there)
-        Rs[rows], ps[rows] = one.Rs_parent_part[there], one.ps_camera_root[there]
+    for each in (trajectory, motion):
+        there = np.isfinite(each.ps_camera_root).all(axis=1)
+        rows = each.first_frame - first + np.flatnonzero(there)
+        Rs[rows], ps[rows] = each.Rs_parent_part[there], each.ps_camera_root[there]
     return Trajectory(first, Rs, ps)
 
 
 def _own_run(motion: Trajectory, start: int, stop: int) -> OwnRun:
     poses = motion.Rs_parent_part[start:stop], motion.ps_camera_root[start:stop]
-    digest = hashlib.sha256(b"".join(one.tobytes() for one in poses)).hexdigest()[:12]
+    digest = hashlib.sha256(b"".join(array.tobytes() for array in poses)).hexdigest()[:12]
     first = motion.first_frame
     return OwnRun(first_frame=first + start, last_frame=first + stop - 1, digest=digest)
 
@@ -242,9 +242,9 @@ def _motion(arrays: dict[str, NDArray[Any]]) -> tuple[tuple[str, ...], Trajector
     frames = len(t)
     if t.shape != (frames, 3) or R.shape != (frames, len(names), 3, 3) or frames < 1 or first < 0:
         raise ValueError("its entries do not fit together")
-    known = ~np.isnan(t).any(axis=1)
-    R_known, t_known = R[known], t[known]
-    are_poses = np.isfinite(t_known).all() and known[[0, -1]].all()
+    is_posed = ~np.isnan(t).any(axis=1)
+    R_known, t_known = R[is_posed], t[is_posed]
+    are_poses = np.isfinite(t_known).all() and is_posed[[0, -1]].all()
     if not (are_poses and np.allclose(R_known @ transpose(R_known), np.eye(3), atol=1e-6)):
         raise ValueError("it holds poses that are none")
     return names, Trajectory(first, R, t)
@@ -290,9 +290,9 @@ def save_keypoints(
 
 def _shows_outlines(keypoints: Keypoints) -> bool:
     """Whether it is known where the person is wherever one was seen."""
-    seen = np.isfinite(keypoints.uv).all(axis=(1, 2))
+    is_seen = np.isfinite(keypoints.uv).all(axis=(1, 2))
     masks = keypoints.masks
-    return masks is not None and all(masks[n] is not None for n in np.flatnonzero(seen))
+    return masks is not None and all(masks[n] is not None for n in np.flatnonzero(is_seen))
 
 
 def _model_of(session: Session, network: str) -> str:
@@ -387,7 +387,7 @@ def _keypoints(arrays: dict[str, NDArray[Any]]) -> Keypoints:
         first = int(arrays["first_frame"])
         uv, visibility = _numbers(arrays["uv"]), _numbers(arrays["visibility"])
         p_hips = _numbers(arrays["p_hips"]) if "p_hips" in arrays else None
-        found = [arrays[name] for name in MASK_ARRAYS] if "packed" in arrays else None
+        mask_arrays = [arrays[name] for name in MASK_ARRAYS] if "packed" in arrays else None
     except (KeyError, TypeError):
         raise ValueError("its entries are not those of keypoints") from None
     shape = (len(uv), len(names))
@@ -396,10 +396,10 @@ def _keypoints(arrays: dict[str, NDArray[Any]]) -> Keypoints:
         raise ValueError("its entries do not fit together")
     if 0 in shape or len(set(names)) < len(names):
         raise ValueError("it holds no keypoints, or two of one name")
-    known = np.isfinite(uv).all(axis=-1)
-    if not ((visibility >= 0) & (visibility <= 1)).all() or visibility[~known].any():
+    is_known = np.isfinite(uv).all(axis=-1)
+    if not ((visibility >= 0) & (visibility <= 1)).all() or visibility[~is_known].any():
         raise ValueError("it holds visibilities that are none")
-    masks = None if found is None else masks_of_arrays(*found)
+    masks = None if mask_arrays is None else masks_of_arrays(*mask_arrays)
     if masks is not None and len(masks) != len(uv):
         raise ValueError("its masks are of other frames")
     return Keypoints(first, names, uv, visibility, p_hips, masks=masks)

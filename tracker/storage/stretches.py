@@ -63,7 +63,7 @@ def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[S
         and segment_result.quality != "preview"
     ]
     return [
-        SegmentRun(key, tuple(fitting[one.first, one.last] for one in run), pins)
+        SegmentRun(key, tuple(fitting[row.first, row.last] for row in run), pins)
         for key, run, pins in _wanted(session, rows)
     ]
 
@@ -91,14 +91,14 @@ def _wanted(
 def _runs(rows: Sequence[Usable], pins: Sequence[Pin]) -> Iterator[list[Usable]]:
     """Neighbours that are solved together."""
     run: list[Usable] = []
-    for one in rows:
-        held = any(pin.first_frame < one.first < pin.last_frame for pin in pins)
-        if run and run[-1].last == one.first and (held or one.last - run[0].first < LONGEST):
-            run.append(one)
+    for row in rows:
+        held = any(pin.first_frame < row.first < pin.last_frame for pin in pins)
+        if run and run[-1].last == row.first and (held or row.last - run[0].first < LONGEST):
+            run.append(row)
             continue
         if run:
             yield run
-        run = [one]
+        run = [row]
     if run:
         yield run
 
@@ -109,7 +109,7 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
     in_depth = [keyframe.frame for keyframe in keyframes if keyframe.soft == "depth"]
     content = [
         STRETCH_KEY_VERSION,
-        [(one.key, one.quality) for one in run],
+        [(row.key, row.quality) for row in run],
         [pin.model_dump(mode="json") for pin in pins],
         [session.world.floor_m, session.world.up_world, bool(session.settings.smooth), soft],
         [part.limits_deg for part in session.subject.body.parts],  # no segment's key has them

@@ -88,13 +88,13 @@ class Tracks:
         Rs, ps = _poses(segments, first, count, parts)
         solved = any(segment.before_space is not None for segment in segments)
         before = _poses([s.as_tracked for s in segments], first, count, parts) if solved else None
-        found = [(s.first - first, s.diagnostics) for s in segments]
+        pieces = [(s.first - first, s.diagnostics) for s in segments]
         return cls(
             first,
             skeleton.body.names,
             Rs,
             ps,
-            Diagnostics.side_by_side(found, count, parts, dofs),
+            Diagnostics.side_by_side(pieces, count, parts, dofs),
             before,
         )
 
@@ -110,8 +110,8 @@ class Tracks:
         """The motion in the world; itself where the session's camera stands still."""
         if session.camera_path is None:
             return self
-        seen = Trajectory(self.first_frame, self.Rs_parent_part, self.ps_camera_root)
-        here = session.film_camera.motion_to_world(seen)
+        in_camera = Trajectory(self.first_frame, self.Rs_parent_part, self.ps_camera_root)
+        here = session.film_camera.motion_to_world(in_camera)
         return replace(
             self,
             Rs_parent_part=here.Rs_parent_part,
@@ -158,9 +158,9 @@ class Tracks:
             Rs, ps = (arrays.pop(name) for name in _POSES)
             before = [arrays.pop(f"{_BEFORE}{name}", None) for name in _POSES]
             named = {column.stored_as: column.name for column in COLUMNS}
-            found = {named[name]: values for name, values in arrays.items()}
+            columns = {named[name]: values for name, values in arrays.items()}
             solved = None if before[0] is None or before[1] is None else (before[0], before[1])
-            tracks = cls(first_frame, names, Rs, ps, Diagnostics(**found), solved)
+            tracks = cls(first_frame, names, Rs, ps, Diagnostics(**columns), solved)
             tracks._check()
         except (TypeError, KeyError, IndexError):  # missing, unknown, or without a shape
             raise ValueError("its entries are not those of a tracks file") from None
@@ -171,17 +171,17 @@ class Tracks:
         frames, parts = len(self.ps_camera_root), len(self.part_names)
         dofs = self.diagnostics.singular_values.shape[-1]
         shapes = {"Rs_parent_part": (frames, parts, 3, 3), "ps_camera_root": (frames, 3)}
-        found = {name: getattr(self, name).shape for name in _POSES}
+        shape_of = {name: getattr(self, name).shape for name in _POSES}
         if self.before_space is not None:
             shapes |= {f"{_BEFORE}{name}": shapes[name] for name in _POSES}
             both = zip(_POSES, self.before_space, strict=True)
-            found |= {f"{_BEFORE}{name}": rows.shape for name, rows in both}
+            shape_of |= {f"{_BEFORE}{name}": rows.shape for name, rows in both}
         for column, rows in self.diagnostics.arrays():
             shapes[column.stored_as] = column.shape(frames, parts, dofs)
-            found[column.stored_as] = rows.shape
+            shape_of[column.stored_as] = rows.shape
         for name, shape in shapes.items():
-            if found[name] != shape:
-                raise ValueError(f"{name} has the shape {found[name]} instead of {shape}")
+            if shape_of[name] != shape:
+                raise ValueError(f"{name} has the shape {shape_of[name]} instead of {shape}")
         if self.before_space is not None:
             self.as_tracked._require_rotations()
         self._require_rotations()
@@ -307,7 +307,7 @@ def _in_space(stretch: SpaceResult) -> SpaceSummary:
 def _finite(value: Any) -> Any:
     """JSON has no NaN and no infinity."""
     if isinstance(value, tuple):
-        return tuple(_finite(one) for one in value)
+        return tuple(_finite(entry) for entry in value)
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value

@@ -324,9 +324,9 @@ class ClipLoader:
     def _is_background(self, grey: NDArray[np.uint8], frame: int) -> NDArray[np.bool_]:
         """Pixels that look as the empty scene does: no part of a moving body."""
         if self.turns is not None:
-            plate, known = self.panorama().seen(self.turns[frame])
-            bright = plate * np.float32(exposure_of(grey, plate, known))
-            return known & ~moving(smooth(grey), smooth(bright))
+            plate, is_known = self.panorama().seen(self.turns[frame])
+            bright = plate * np.float32(exposure_of(grey, plate, is_known))
+            return is_known & ~moving(smooth(grey), smooth(bright))
         if self._plate is None:
             self._plate = self._median_picture()
         return ~moving(smooth(grey), self._plate)
@@ -349,8 +349,8 @@ class ClipLoader:
         for frame in sampled(self.turns, most):
             for _, rgb in self.video.frames(frame, frame + 1):
                 if rgb is not None:
-                    known = self._shown(frame) > 250
-                    shown.append(Shown(made(rgb, frame), known, self.turns[frame]))
+                    is_background = self._shown(frame) > 250
+                    shown.append(Shown(made(rgb, frame), is_background, self.turns[frame]))
         return panorama_of(self.size.camera(self.camera), shown)
 
     def _median_picture(self) -> FloatPicture:

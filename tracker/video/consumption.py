@@ -142,8 +142,8 @@ def _is_reached(
 ) -> bool:
     """Whether the last bytes of a slice affect the decoded picture."""
     for _ in range(_TRIES):
-        other = _with_ending(packet, unit, _noise(chance, _TAIL), b"")
-        if _decoded(other, coding) != picture:
+        altered = _with_ending(packet, unit, _noise(chance, _TAIL), b"")
+        if _decoded(altered, coding) != picture:
             return True
     return False
 

@@ -251,9 +251,9 @@ class _Reading:
         yield from self._decoded(None, None)
 
     def _without_stray(self, packet: av.Packet[VideoStream]) -> av.Packet[VideoStream]:
-        given = bytes(packet)
-        data = self._coding.without_stray(given)
-        if len(data) == len(given):
+        content = bytes(packet)
+        data = self._coding.without_stray(content)
+        if len(data) == len(content):
             return packet
         rest = cast("av.Packet[VideoStream]", av.Packet(data))
         rest.pts, rest.dts, rest.time_base = packet.pts, packet.dts, packet.time_base

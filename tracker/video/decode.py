@@ -292,4 +292,4 @@ def _describe(
 def _all_tags(container: InputContainer, stream: VideoStream) -> list[dict[str, str]]:
     """The tags of the pictures, of the file, and of its other streams, one of which may be a
     timecode's."""
-    return [stream.metadata, container.metadata, *(other.metadata for other in container.streams)]
+    return [stream.metadata, container.metadata, *(each.metadata for each in container.streams)]

@@ -136,8 +136,8 @@ class FolderSource:
                 self._lose(number)
             change = None if frame is None else changes.to(number, frame)
             if number >= first:
-                known = {} if change is None else {number: change}
-                yield Examined(number, number, frozenset(), number, known)
+                change_here = {} if change is None else {number: change}
+                yield Examined(number, number, frozenset(), number, change_here)
 
     def _lose(self, number: int) -> None:
         self._missing.add(number)
@@ -179,11 +179,11 @@ class FolderSource:
     def _sizes_differ(
         self, numbers: tuple[int, int], sizes: tuple[tuple[int, int], tuple[int, int]]
     ) -> VideoError:
-        (one, other), (size, other_size) = numbers, sizes
+        (first, second), (size, other_size) = numbers, sizes
         return VideoError(
-            f'"{self._files[one].name}" is {size[0]} × {size[1]} and "{self._files[other].name}" '
-            f"is {other_size[0]} × {other_size[1]} pixels: all images of a folder must be of one "
-            "size."
+            f'"{self._files[first].name}" is {size[0]} × {size[1]} and '
+            f'"{self._files[second].name}" is {other_size[0]} × {other_size[1]} pixels: '
+            "all images of a folder must be of one size."
         )
 
     def _describe(self, path: Path, frame: av.VideoFrame) -> VideoInfo:
@@ -266,14 +266,14 @@ def natural(name: str) -> tuple[list[tuple[int, str]], str]:
 
 def _number_in(stem: str) -> int | None:
     """The last number in the name of a file, as sequences of images count; None without one."""
-    found = re.findall(r"[0-9]+", stem)
-    return int(found[-1]) if found else None
+    digits = re.findall(r"[0-9]+", stem)
+    return int(digits[-1]) if digits else None
 
 
 def _ascending(numbers: Sequence[int | None]) -> tuple[int, ...] | None:
     """The numbers where every file has one, higher than the one before; else None."""
     there = tuple(number for number in numbers if number is not None)
-    ascend = len(there) == len(numbers) and all(one < other for one, other in pairwise(there))
+    ascend = len(there) == len(numbers) and all(before < after for before, after in pairwise(there))
     return there if ascend else None
 
 
@@ -289,8 +289,8 @@ def _unevenness(numbers: Sequence[int | None]) -> str:
     are_counts = there[-1] - there[0] < 2 * step * len(there)
     missing = set(range(there[0], there[-1], step)) - counted.keys() if are_counts else set()
     doubled = {number for number, times in counted.items() if times > 1}
-    found = {"missing": missing, "doubled": doubled}
-    words = ", ".join(f"{numbers_listed(of, step)} {what}" for what, of in found.items() if of)
+    irregular = {"missing": missing, "doubled": doubled}
+    words = ", ".join(f"{numbers_listed(of, step)} {kind}" for kind, of in irregular.items() if of)
     return f"Image numbers {words}: the images are read as consecutive frames." if words else ""
 
 

@@ -127,10 +127,10 @@ def index_from_decoding(path: Path, threaded: bool = True) -> FrameIndex:
     In a damaged file the result of several threads depends on their timing. One thread always gives
     the same.
     """
-    seen = _decode_through(path, threaded)
-    if threaded and seen.suspicious:
-        seen = _decode_through(path, threaded=False)
-    return seen.by_name() if seen.names_are_good else seen.by_count()
+    decoded = _decode_through(path, threaded)
+    if threaded and decoded.suspicious:
+        decoded = _decode_through(path, threaded=False)
+    return decoded.by_name() if decoded.names_are_good else decoded.by_count()
 
 
 @dataclass
@@ -160,9 +160,9 @@ class _Seen:
     def names_are_good(self) -> bool:
         """True when every frame has a pts and they only ever grow."""
         pts = [p for p, lost in zip(self.pts, self.is_lost, strict=True) if not lost]
-        known = [p for p in pts if p is not None]
-        grows = all(a < b for a, b in pairwise(known))
-        return len(known) == len(pts) and grows and self.time_base is not None
+        pts_known = [p for p in pts if p is not None]
+        grows = all(a < b for a, b in pairwise(pts_known))
+        return len(pts_known) == len(pts) and grows and self.time_base is not None
 
     def add(self, frame: av.VideoFrame | None) -> None:
         self.pts.append(None if frame is None else frame.pts)
@@ -212,16 +212,16 @@ class _Seen:
 def _decode_through(path: Path, threaded: bool) -> _Seen:
     with open_container(path) as container:
         stream = picture_stream(path, container, threaded)
-        seen = _Seen(stream.time_base, rate_of(stream), threaded)
+        decoded = _Seen(stream.time_base, rate_of(stream), threaded)
         for packet in packets(path, container, stream):
-            seen.shown_packets += not packet.is_discard
+            decoded.shown_packets += not packet.is_discard
             if packet.pts is not None and not packet.is_discard:
-                seen.packet_pts.add(packet.pts)
+                decoded.packet_pts.add(packet.pts)
             for frame in decode(stream, packet):
-                seen.add(frame)
+                decoded.add(frame)
         for frame in decode(stream, None):
-            seen.add(frame)
-    return seen
+            decoded.add(frame)
+    return decoded
 
 
 def _starts(keys: NDArray[np.integer]) -> NDArray[np.int64]:

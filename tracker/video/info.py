@@ -46,22 +46,22 @@ def lens_in(tags: Iterable[Mapping[str, str]]) -> FileLens | None:
 
     None where no focal length is given, or one that no lens has.
     """
-    known = {key.casefold(): value for some in tags for key, value in some.items()}
-    texts = [value for key, value in known.items() if key.endswith(_FOCAL)]
+    value_of = {key.casefold(): value for group in tags for key, value in group.items()}
+    texts = [value for key, value in value_of.items() if key.endswith(_FOCAL)]
     focal_mm = next((mm for mm in map(_millimetres, texts) if mm is not None), None)
     if focal_mm is None:
         return None
-    return FileLens(focal_mm, _device(_first(known, _MAKE), _first(known, _MODEL)))
+    return FileLens(focal_mm, _device(_first(value_of, _MAKE), _first(value_of, _MODEL)))
 
 
 def _millimetres(text: str) -> float | None:
-    found = _NUMBER.fullmatch(text)
-    mm = float(found[1]) if found else math.nan
+    match = _NUMBER.fullmatch(text)
+    mm = float(match[1]) if match else math.nan
     return mm if NEAREST_MM <= mm <= FARTHEST_MM else None
 
 
-def _first(known: Mapping[str, str], keys: tuple[str, ...]) -> str:
-    return next((known[key] for key in keys if key in known), "")
+def _first(value_of: Mapping[str, str], keys: tuple[str, ...]) -> str:
+    return next((value_of[key] for key in keys if key in value_of), "")
 
 
 def _device(make: str, model: str) -> str:
@@ -98,14 +98,14 @@ class Timecode:
     @classmethod
     def read(cls, text: str, fps: float) -> Self | None:
         """The timecode of a first frame; None where the text is none of this rate."""
-        found, rate = _TIMECODE.fullmatch(text.strip()), round(fps)
-        if found is None or int(found[5]) >= rate:
+        match, rate = _TIMECODE.fullmatch(text.strip()), round(fps)
+        if match is None or int(match[5]) >= rate:
             return None
-        hours, minutes, seconds, frame = (int(found[k]) for k in (1, 2, 3, 5))
+        hours, minutes, seconds, frame = (int(match[k]) for k in (1, 2, 3, 5))
         minutes += 60 * hours
         number = (60 * minutes + seconds) * rate + frame
-        dropped = _dropped(rate, found[4])
-        return cls(rate, number - dropped * (minutes - minutes // 10), found[4])
+        dropped = _dropped(rate, match[4])
+        return cls(rate, number - dropped * (minutes - minutes // 10), match[4])
 
     @classmethod
     def of_numbers(cls, numbers: Sequence[int | None], fps: float) -> Self | None:
@@ -135,7 +135,7 @@ class Timecode:
 
 def timecode_in(tags: Iterable[Mapping[str, str]], fps: float) -> Timecode | None:
     """The timecode that tags of a file give for its first frame; None where none do."""
-    texts = (value for some in tags for key, value in some.items() if key.casefold() == _TAG)
+    texts = (value for group in tags for key, value in group.items() if key.casefold() == _TAG)
     return next((code for text in texts if (code := Timecode.read(text, fps)) is not None), None)
 
 

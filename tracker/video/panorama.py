@@ -63,8 +63,8 @@ class Panorama:
         lat = np.arctan2(y, np.hypot(x, z)) - self.corner[1]
         column, row = (np.asarray(a / self.step, np.float32) for a in (lon, lat))
         picture = cv2.remap(self.picture, column, row, cv2.INTER_LINEAR)
-        known = cv2.remap(self.known.astype(np.uint8), column, row, cv2.INTER_LINEAR)
-        return np.asarray(picture, np.uint8), np.asarray(known > 0)
+        weight = cv2.remap(self.known.astype(np.uint8), column, row, cv2.INTER_LINEAR)
+        return np.asarray(picture, np.uint8), np.asarray(weight > 0)
 
 
 def panorama_of(camera: Camera, frames: Sequence[Shown]) -> Panorama:
@@ -77,10 +77,10 @@ def panorama_of(camera: Camera, frames: Sequence[Shown]) -> Panorama:
     size = [max(int(np.ceil((span[1] - span[0]) / step)) + 1, 2) for span in (lat, lon)]
     gains = np.ones(len(frames))
     for gains_known in (False, True):
-        picture, known = _median(
+        picture, is_known = _median(
             camera, frames, gains, R_pano_world, (lon[0], lat[0]), step, (size[0], size[1])
         )
-        panorama = Panorama(camera, picture, known, R_pano_world, (lon[0], lat[0]), step)
+        panorama = Panorama(camera, picture, is_known, R_pano_world, (lon[0], lat[0]), step)
         if gains_known:
             break
         gains = np.array(
@@ -92,15 +92,15 @@ def panorama_of(camera: Camera, frames: Sequence[Shown]) -> Panorama:
 
 
 def exposure_of(
-    picture: NDArray[np.uint8], plate: NDArray[np.uint8], known: NDArray[np.bool_]
+    picture: NDArray[np.uint8], plate: NDArray[np.uint8], is_known: NDArray[np.bool_]
 ) -> float:
     """How much brighter a picture is than the plate behind it; 1 where that is not known."""
-    use = known[::4, ::4]
-    own, other = (np.asarray(x[::4, ::4][use], np.float64) for x in (picture, plate))
-    bright = other > 16
+    use = is_known[::4, ::4]
+    own, behind = (np.asarray(x[::4, ::4][use], np.float64) for x in (picture, plate))
+    bright = behind > 16
     if bright.sum() < 100:
         return 1.0
-    return float(np.clip(np.median(own[bright] / other[bright]), 1 / MOST_GAIN, MOST_GAIN))
+    return float(np.clip(np.median(own[bright] / behind[bright]), 1 / MOST_GAIN, MOST_GAIN))
 
 
 def _rays(camera: Camera) -> Array:
@@ -151,7 +151,7 @@ def _median(
 ) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
     """Every place's median over the frames that show it, and where enough do, tile by tile."""
     picture = np.zeros((*size, *frames[0].picture.shape[2:]), np.uint8)
-    known = np.zeros(size, np.bool_)
+    is_known = np.zeros(size, np.bool_)
     for rows, columns in _tiles(size):
         lon = corner[0] + step * np.arange(columns.start, columns.stop)
         lat = corner[1] + step * np.arange(rows.start, rows.stop)[:, None]
@@ -159,9 +159,9 @@ def _median(
             [np.cos(lat) * np.sin(lon), np.sin(lat) + 0 * lon, np.cos(lat) * np.cos(lon)], axis=-1
         )
         stack = [
-            seen
+            tile
             for frame, gain in zip(frames, gains, strict=True)
-            if (seen := _on_tile(camera, frame, gain, rays @ R_pano_world)) is not None
+            if (tile := _on_tile(camera, frame, gain, rays @ R_pano_world)) is not None
         ]
         if len(stack) < FEWEST_SEEN:
             continue
@@ -173,8 +173,8 @@ def _median(
         enough = count >= FEWEST_SEEN
         flat = np.where(enough, 0.5 * (both[0] + both[1]), 0.0)
         picture[rows, columns] = np.clip(np.rint(flat), 0, 255).astype(np.uint8)
-        known[rows, columns] = enough if enough.ndim == 2 else enough.all(axis=-1)
-    return picture, known
+        is_known[rows, columns] = enough if enough.ndim == 2 else enough.all(axis=-1)
+    return picture, is_known
 
 
 def _on_tile(
@@ -209,6 +209,6 @@ def sampled(Rs_camera_world: Array, most: int) -> list[int]:
     cosine = (np.trace(R[1:] @ transpose(R[:-1]), axis1=1, axis2=2) - 1) / 2
     turned = np.arccos(np.clip(cosine, -1.0, 1.0))
     steps = 1 / max(len(turned), 1) + turned / max(turned.sum(), 1e-9)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    wanted = np.linspace(0, way[-1], most)
-    return [int(frame) for frame in np.unique(np.searchsorted(way, wanted - 1e-12))]
+    travelled = np.concatenate([[0.0], np.cumsum(steps)])
+    wanted = np.linspace(0, travelled[-1], most)
+    return [int(frame) for frame in np.unique(np.searchsorted(travelled, wanted - 1e-12))]

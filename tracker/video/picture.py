@@ -49,12 +49,12 @@ class Deinterlacer:
         PYAV_ERRORS where FFmpeg cannot do it.
         """
         graph, self._graph = self._graph, None
-        given = [after]  # None: the end
+        frames = [after]  # None: the end
         if graph is None or self._last != number:
             graph = _graph(frame)
-            given = [frame, after] if before is None else [before, frame, after]
+            frames = [frame, after] if before is None else [before, frame, after]
         made: list[av.VideoFrame] = []
-        for each in given:
+        for each in frames:
             graph.push(each)
             made += _ready(graph)
         if after is not None:

@@ -145,11 +145,11 @@ class Buffers:
         if usable is None:
             return None
         if self._uses is None or self._uses[0] is not usable or self._uses[1] != around:
-            use, found = _with_rim(around.of(usable)), []
+            use, usable_levels = _with_rim(around.of(usable)), []
             for level in range(LEVELS):
                 use = _with_rim(use)[::2, ::2] if level else use
-                found.append(use.astype(np.int16))
-            self._uses = usable, around, found
+                usable_levels.append(use.astype(np.int16))
+            self._uses = usable, around, usable_levels
         return self._uses[2]
 
 
@@ -186,15 +186,15 @@ def prepare_into(
         if level:
             halved = buffers.array(f"level {level}", _halved(current.shape))
             current = np.asarray(cv2.pyrDown(current, dst=halved), np.int16)
-        found = [current]
+        channels = [current]
         for du in (1, 0):
             slope = buffers.array(f"slope {du} {level}", current.shape)
             cv2.Scharr(current, cv2.CV_16S, du, 1 - du, scale=1 / 32.0, dst=slope)
-            found.append(slope)
+            channels.append(slope)
         use = buffers.array(f"use {level}", current.shape)
         use[:] = USABLE if uses is None else uses[level]
         cut = inside.halved(level)
-        cv2.merge([cut.of(each) for each in (*found, use)], dst=picture)
+        cv2.merge([cut.of(each) for each in (*channels, use)], dst=picture)
 
 
 def _halved(shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -91,7 +91,7 @@ def repeats_of(changes: Mapping[int, float], frame_count: int) -> Repeats:
 
 def _copies(change: Array) -> list[tuple[int, int]]:
     """First and last frames of every run of copies."""
-    found = []
+    copies = []
     usual = _usual(change)
     calm = np.nan_to_num(change, nan=np.inf) <= np.minimum(MOST_CHANGE, usual / LEAST_RATIO)
     for first, last in runs(calm):
@@ -100,8 +100,8 @@ def _copies(change: Array) -> list[tuple[int, int]]:
         beside = min(change[first - 1], change[last + 1])  # NaN where one is not known
         is_copy = beside >= max(LEAST_CHANGE, LEAST_RATIO * change[first : last + 1].max())
         if is_copy and beside > SHARE * usual[first]:
-            found.append((first, last))
-    return found
+            copies.append((first, last))
+    return copies
 
 
 def _usual(change: Array) -> Array:

@@ -159,10 +159,11 @@ def _fullness(picture: NDArray[np.uint8]) -> int:
     return sum(c.std() >= BLANK_GREY for row in rows for c in np.array_split(row, GRID, axis=1))
 
 
-def _likeness(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
+def _likeness(picture: NDArray[np.uint8], reference: NDArray[np.uint8]) -> float:
     """The correlation of two pictures made so small that compression has left it."""
     first, second = (
-        np.asarray(cv2.resize(p, LITTLE, interpolation=cv2.INTER_AREA), float) for p in (one, other)
+        np.asarray(cv2.resize(p, LITTLE, interpolation=cv2.INTER_AREA), float)
+        for p in (picture, reference)
     )
     spread = first.std() * second.std()
     if spread == 0:
@@ -233,8 +234,8 @@ def _corner_shifts(pictures: list[NDArray[np.uint8]], away: list[NDArray[np.bool
         reached, returned = _followed(first, picture, start)
         column, row = np.rint(start[:, 0].T).astype(int)
         counts = returned & (_standing(away_now)[row, column] > 0)
-        way = np.linalg.norm(reached - start[:, 0], axis=1)
-        shifts.append(_medians(way[counts], cell[counts]))
+        lengths = np.linalg.norm(reached - start[:, 0], axis=1)
+        shifts.append(_medians(lengths[counts], cell[counts]))
     return shifts
 
 
@@ -252,17 +253,17 @@ def _followed(
     """
     reached, forward = _follow(first, picture, start)
     back, backward = _follow(picture, first, reached)
-    found = forward & backward
-    return reached[:, 0], found & (np.linalg.norm((back - start)[:, 0], axis=1) < RETURN_PX)
+    is_found = forward & backward
+    return reached[:, 0], is_found & (np.linalg.norm((back - start)[:, 0], axis=1) < RETURN_PX)
 
 
 def _follow(
-    one: NDArray[np.uint8], other: NDArray[np.uint8], start: NDArray[np.float32]
+    before: NDArray[np.uint8], after: NDArray[np.uint8], start: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    reached, found, _ = cv2.calcOpticalFlowPyrLK(
-        one, other, start, start.copy(), winSize=WINDOW_PX, maxLevel=HALVED
+    reached, status, _ = cv2.calcOpticalFlowPyrLK(
+        before, after, start, start.copy(), winSize=WINDOW_PX, maxLevel=HALVED
     )
-    return np.asarray(reached, np.float32), np.asarray(found)[:, 0] > 0
+    return np.asarray(reached, np.float32), np.asarray(status)[:, 0] > 0
 
 
 def _cell_of(uv: NDArray[np.float32], width: int, height: int) -> NDArray[np.int64]:

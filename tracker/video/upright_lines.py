@@ -96,8 +96,8 @@ def up_from_lines(
     """
     ends = np.concatenate([_steep_segments(picture) for picture in pictures])
     normals = _planes(ends, camera)
-    seen = np.isfinite(normals).all(axis=1)
-    ends, normals = ends[seen], normals[seen]
+    is_finite = np.isfinite(normals).all(axis=1)
+    ends, normals = ends[is_finite], normals[is_finite]
     if len(ends) < LEAST_THINGS:
         return None
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=-1)
@@ -147,10 +147,10 @@ def up_from_segments(ends: Array, camera: Camera) -> Array | None:
 def _steep_segments(picture: NDArray[np.uint8]) -> Array:
     """(K, 2, 2) both ends, pixels."""
     grey = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
-    found = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(grey)[0]
-    if found is None:
+    segments = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(grey)[0]
+    if segments is None:
         return np.zeros((0, 2, 2))
-    ends = np.asarray(found, dtype=np.float64).reshape(-1, 2, 2)
+    ends = np.asarray(segments, dtype=np.float64).reshape(-1, 2, 2)
     across, along = np.abs(ends[:, 1] - ends[:, 0]).T
     is_steep = np.degrees(np.arctan2(across, along)) < STEEP_DEG
     is_long = np.hypot(across, along) > LEAST_SHARE * grey.shape[0]

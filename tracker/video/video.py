@@ -128,14 +128,18 @@ class Video:
         frames differ from its packets is indexed anew, which may change everything.
         `damaged` grows with what is examined."""
         info = self._source.info
-        found = self._found.damaged
-        if not found:
+        found_damaged = self._found.damaged
+        if not found_damaged:
             return info
-        known = self._with_damaged  # once: another thread may be examining
-        if known is None or known[0] is not info or known[1] is not found:
-            damaged = tuple(sorted(found.difference(info.missing)))
-            self._with_damaged = known = info, found, replace(info, damaged=damaged)
-        return known[2]
+        with_damaged = self._with_damaged  # once: another thread may be examining
+        if (
+            with_damaged is None
+            or with_damaged[0] is not info
+            or with_damaged[1] is not found_damaged
+        ):
+            damaged = tuple(sorted(found_damaged.difference(info.missing)))
+            self._with_damaged = with_damaged = info, found_damaged, replace(info, damaged=damaged)
+        return with_damaged[2]
 
     @property
     def missing(self) -> tuple[int, ...]:

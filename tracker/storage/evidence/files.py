@@ -47,10 +47,10 @@ class EvidenceFiles(Protocol):
 def identity(path: Path) -> Any:
     """Equal as long as the same file is at a path."""
     try:
-        found = path.stat()
+        stat = path.stat()
     except OSError:  # opening it will report what is wrong
         return path, None
-    return path, found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
+    return path, stat.st_dev, stat.st_ino, stat.st_size, stat.st_mtime_ns
 
 
 class FilmFiles:

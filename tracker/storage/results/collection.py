@@ -45,8 +45,8 @@ class Results:
 
         keep: keys that are never forgotten to make room, such as those of the present segments.
         """
-        known = self.by_key.get(segment_result.key)
-        if known is not None and not _supersedes(segment_result, known):
+        present = self.by_key.get(segment_result.key)
+        if present is not None and not _supersedes(segment_result, present):
             return self
         others = {key: old for key, old in self.by_key.items() if key != segment_result.key}
         kept = _drop_oldest(
@@ -123,13 +123,13 @@ class Results:
         return "outdated" if touched else "none"
 
 
-def _supersedes(segment_result: SegmentResult, other: SegmentResult) -> bool:
+def _supersedes(segment_result: SegmentResult, present: SegmentResult) -> bool:
     """Whether a result replaces another of the same key.
 
     A finished result is replaced only by a finished one that lacks no more of the work and has no
     lower quality.
     """
-    mine, its = ((r.finished, -r.missing, CARE[r.quality]) for r in (segment_result, other))
+    mine, its = ((r.finished, -r.missing, CARE[r.quality]) for r in (segment_result, present))
     return mine >= its
 
 

@@ -40,8 +40,8 @@ def load_results(session: Session, session_path: Path) -> Results:
     if session.subject.results is None:
         return results
     tracks = load_tracks(session, session_path)
-    known = session.subject.results.tracked_for in (None, setup_hash(session))
-    keys = present_keys(session) if known else {}
+    is_current = session.subject.results.tracked_for in (None, setup_hash(session))
+    keys = present_keys(session) if is_current else {}
     for summary in session.subject.results.segments:
         path = _path(tracks.as_tracked, summary, summary.unreached)
         if path is not None:
@@ -71,7 +71,7 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
     ]
     if not kept:
         return session
-    lowest = min((found.quality for found in kept), key=CARE.__getitem__)
+    lowest = min((kept_result.quality for kept_result in kept), key=CARE.__getitem__)
     settings = session.settings.model_copy(update={"quality": lowest})
     result = TrackResult(Skeleton.of(session.subject.body), settings, tuple(kept))
     return save_result(session, session_path, result, results.space(session))
@@ -150,9 +150,9 @@ def _result(
         for field in fields(SegmentResult)
         if field.name in SegmentSummary.model_fields
     }
-    given = {**facts, "key": key, "quality": summary.quality or saved.quality}
+    values = {**facts, "key": key, "quality": summary.quality or saved.quality}
     diagnostics = tracks.diagnostics.between(first, last).complete()
-    return SegmentResult(trajectory=path, diagnostics=diagnostics, **given)
+    return SegmentResult(trajectory=path, diagnostics=diagnostics, **values)
 
 
 def _numbers(value: Any, annotation: str) -> Any:
@@ -160,5 +160,5 @@ def _numbers(value: Any, annotation: str) -> Any:
     if annotation == "float" and value is None:
         return np.nan
     if annotation == "tuple[float, ...]":
-        return tuple(np.nan if one is None else one for one in value)
+        return tuple(np.nan if number is None else number for number in value)
     return value

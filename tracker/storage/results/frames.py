@@ -51,8 +51,8 @@ def ranks(fitting: Fitting, frame_count: int) -> Array:
     steps = [
         (first, segment_result.diagnostics.rank) for (first, _), segment_result in fitting.items()
     ]
-    found = side_by_side(steps, max(frame_count - 1, 0))
-    return np.where(found >= 0, found, np.nan)
+    step_ranks = side_by_side(steps, max(frame_count - 1, 0))
+    return np.where(step_ranks >= 0, step_ranks, np.nan)
 
 
 def expected_gain(fitting: Fitting, frame_count: int) -> Array:
@@ -87,16 +87,17 @@ def listed(column: Array, decimals: int = 3) -> list[list[float]]:
     """Lay out one value a frame as JSON takes it, without the frames of which nothing is known: of
     every run of known values its first frame, then the values, rounded."""
     rounded = np.round(column, decimals)
-    found = runs(np.isfinite(rounded))
-    return [[first, *rounded[first : last + 1].tolist()] for first, last in found]
+    known_runs = runs(np.isfinite(rounded))
+    return [[first, *rounded[first : last + 1].tolist()] for first, last in known_runs]
 
 
 def _by_frame(steps: Array) -> Array:
     """(F, …) of (F − 1, …): a frame's value is the mean of those of the steps to it and from it."""
-    known = np.isfinite(steps)
-    values = np.where(known, steps, 0.0)
+    is_known = np.isfinite(steps)
+    values = np.where(is_known, steps, 0.0)
     none = np.zeros((1, *steps.shape[1:]))
     total, count = (
-        np.concatenate([table, none]) + np.concatenate([none, table]) for table in (values, known)
+        np.concatenate([table, none]) + np.concatenate([none, table])
+        for table in (values, is_known)
     )
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
