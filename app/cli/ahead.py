@@ -40,40 +40,40 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
     """
     require_place(arguments)
     ways = _ways(session, arguments.ahead)
-    stop, found = threading.Event(), []
+    stop, followed = threading.Event(), []
     with open_video_of(asked, arguments.session) as video, locked_place(arguments) as place:
         warm_tracker(asked)
         with set_when_interrupted(stop):
-            for way in ways:
+            for direction in ways:
                 if not stop.is_set():
-                    found.append(_followed(asked, video, way, stop, arguments))
+                    followed.append(_followed(asked, video, direction, stop, arguments))
         times_s = session.evidence.times_s(video.info.times_s)
-        for each in found:
+        for each in followed:
             session = followed_session(
                 up_to_date(session), each.frame, each.motion, each.to_frame, each.stop, times_s
             )
-        if any(each.to_frame != each.frame for each in found):
+        if any(each.to_frame != each.frame for each in followed):
             if arguments.out is None:
                 save_session(session, place)
             else:
                 write_copy(session.changed({"results": None}), arguments)
-    _print(found, str(place), arguments.json)
+    _print(followed, str(place), arguments.json)
     if stop.is_set():
         return INTERRUPTED
-    return DONE if all(each.to_frame != each.frame for each in found) else NOT_ALL_DONE
+    return DONE if all(each.to_frame != each.frame for each in followed) else NOT_ALL_DONE
 
 
 def _ways(session: Session, asked: str) -> list[Direction]:
     """Keep the ways that lead anywhere; refused, before any work, where none of them does."""
     possible: list[Direction] = []
     why: ActionRefused | None = None
-    for way in _WAYS[asked]:
+    for direction in _WAYS[asked]:
         try:
-            start_frame(session, way)
+            start_frame(session, direction)
         except ActionRefused as refused:
             why = refused
         else:
-            possible.append(way)
+            possible.append(direction)
     if why is not None and not possible:
         raise why
     return possible
@@ -82,7 +82,7 @@ def _ways(session: Session, asked: str) -> list[Direction]:
 def _followed(
     session: Session,
     video: Video,
-    way: Direction,
+    direction: Direction,
     stop: threading.Event,
     arguments: argparse.Namespace,
 ) -> FoundAhead:
@@ -94,7 +94,7 @@ def _followed(
                 raise Cancelled
             report(len(motion) - 1)
 
-        return track_ahead(session, video, way, emit=emit, keypoints=keypoints)
+        return track_ahead(session, video, direction, emit=emit, keypoints=keypoints)
 
 
 @contextmanager
@@ -116,17 +116,17 @@ def _reporter(as_json: bool) -> Iterator[Callable[[int], None]]:
         yield lambda frames: None
 
 
-def _print(found: list[FoundAhead], place: str, as_json: bool) -> None:
+def _print(followed: list[FoundAhead], place: str, as_json: bool) -> None:
     if as_json:
         facts = [
             {"from": f.frame, "to": f.to_frame, **f.stop.model_dump(), "notes": list(f.notes)}
-            for f in found
+            for f in followed
         ]
         print_json({"event": "finished", "ahead": facts, "session": place})
         return
-    for each in found:
+    for each in followed:
         print(found_sentence(each))
         for note in each.notes:
             print(f"  {note}")
-    if any(each.to_frame != each.frame for each in found):
+    if any(each.to_frame != each.frame for each in followed):
         print(f"Written: {place}")

@@ -112,8 +112,10 @@ def add_session(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_json(command: argparse.ArgumentParser, what: str = "print only JSON on stdout") -> None:
-    command.add_argument("--json", action="store_true", help=what)
+def add_json(
+    command: argparse.ArgumentParser, help_text: str = "print only JSON on stdout"
+) -> None:
+    command.add_argument("--json", action="store_true", help=help_text)
 
 
 def add_overwrite(command: argparse.ArgumentParser) -> None:
@@ -264,24 +266,24 @@ def film_orders_of(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def require_of(
-    order: type, others: Mapping[str, type], arguments: argparse.Namespace, what: str
+    order: type, others: Mapping[str, type], arguments: argparse.Namespace, subject: str
 ) -> None:
     """FormatError for an option of another kind, which would be ignored in silence, and for a
     value that this kind does not have."""
     own = options_of(order)
     for name, option in own.items():
-        given = getattr(arguments, name, None)
-        if given is None or not isinstance(option.value, Choice) or not option.value.names:
+        value = getattr(arguments, name, None)
+        if value is None or not isinstance(option.value, Choice) or not option.value.names:
             continue
-        if given not in map(option.value.read, option.value.names):
-            chosen = f"{_flag(name, option)} {str(given).replace(' ', '-')}"
+        if value not in map(option.value.read, option.value.names):
+            chosen = f"{_flag(name, option)} {str(value).replace(' ', '-')}"
             raise FormatError(
-                f"{chosen} is not for {what}: choose from {', '.join(option.value.names)}."
+                f"{chosen} is not for {subject}: choose from {', '.join(option.value.names)}."
             )
-    for kind, other in others.items():
-        for name, option in options_of(other).items():
+    for kind, order_of_kind in others.items():
+        for name, option in options_of(order_of_kind).items():
             if name not in own and getattr(arguments, name) is not None:
-                raise FormatError(f"{_flag(name, option)} is for {kind}, not for {what}.")
+                raise FormatError(f"{_flag(name, option)} is for {kind}, not for {subject}.")
 
 
 def _flag(name: str, option: Option) -> str:
@@ -306,15 +308,15 @@ def _how(option: Option) -> dict[str, Any]:
     names = getattr(option.value, "names", ())
     metavar = option.value.metavar or (f"{{{','.join(names)}}}" if names else None)
     repeated = {"action": "append"} if option.repeated else {"action": Once} if option.once else {}
-    known = {"choices": names} if type(option.value) is Choice else {}  # for a shell to complete
-    return {"type": typed(option.value), "metavar": metavar, **known, **repeated}
+    choices = {"choices": names} if type(option.value) is Choice else {}  # for a shell to complete
+    return {"type": typed(option.value), "metavar": metavar, **choices, **repeated}
 
 
 class Once(argparse.Action):
     """Stores a value and refuses a second one."""
 
-    def __call__(self, *given: Any, **_: Any) -> None:
-        _parser, namespace, value, *_rest = given
+    def __call__(self, *parser_arguments: Any, **_: Any) -> None:
+        _parser, namespace, value, *_rest = parser_arguments
         if getattr(namespace, self.dest) not in (None, self.default):
             raise argparse.ArgumentError(self, "is given twice")
         setattr(namespace, self.dest, value)
@@ -346,6 +348,6 @@ def order_of(
     """
     options = {name: option for name, option in options_of(order).items() if name not in but}
     all_given = {name: getattr(arguments, name, None) for name in options}
-    given = {name: value for name, value in all_given.items() if value is not None}
-    require_one_of_each_group(options, given, lambda name: _flag(name, options[name]))
-    return order(**{name: tuple(v) if options[name].repeated else v for name, v in given.items()})
+    values = {name: value for name, value in all_given.items() if value is not None}
+    require_one_of_each_group(options, values, lambda name: _flag(name, options[name]))
+    return order(**{name: tuple(v) if options[name].repeated else v for name, v in values.items()})

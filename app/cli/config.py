@@ -14,8 +14,8 @@ def run(arguments: argparse.Namespace) -> int:
     path, defaults = defaults_path(), read_defaults()
     values = defaults.model_dump(mode="json")
     if arguments.json:
-        given = sorted(defaults.model_fields_set)
-        print_json({"path": str(path), "values": values, "from_file": given})
+        names_set = sorted(defaults.model_fields_set)
+        print_json({"path": str(path), "values": values, "from_file": names_set})
         return 0
     print(f"# {path}{_state(path)}")
     for name, field in Defaults.model_fields.items():

@@ -265,23 +265,23 @@ def port() -> Iterator[Finding]:
 
 def browser() -> Iterator[Finding]:
     try:
-        found = webbrowser.get()
+        default_browser = webbrowser.get()
     except webbrowser.Error:
-        found = None
-    if found is None or type(found) is webbrowser.GenericBrowser:
+        default_browser = None
+    if default_browser is None or type(default_browser) is webbrowser.GenericBrowser:
         words = "none that can be opened from here"
         remedy = "Open the link that `keypose open` prints, in a browser with WebGL."
         yield Finding("browser", "note", words, remedy)
     else:
-        yield Finding("browser", "ok", getattr(found, "name", "") or "the system's")
+        yield Finding("browser", "ok", getattr(default_browser, "name", "") or "the system's")
 
 
 def extras() -> Iterator[Finding]:
-    for module, package, what in EXTRAS:
+    for module, package, purpose in EXTRAS:
         if find_spec(module) is not None:
-            yield Finding(package, "ok", f"installed: {what}")
+            yield Finding(package, "ok", f"installed: {purpose}")
         else:
-            yield Finding(package, "note", f"not installed: {what}", _adding(package))
+            yield Finding(package, "note", f"not installed: {purpose}", _adding(package))
 
 
 def _adding(package: str) -> str:

@@ -227,8 +227,11 @@ def _print(
 
 
 def _facts(draft: ClipDraft, frames: tuple[int, int], detected: tuple[int, int]) -> dict[str, Any]:
-    seen = set(range(detected[0], detected[1] + 1))
-    missing, left = sorted(seen - set(draft.poses)), set(range(frames[0], frames[1] + 1)) - seen
+    detected_frames = set(range(detected[0], detected[1] + 1))
+    missing, left = (
+        sorted(detected_frames - set(draft.poses)),
+        set(range(frames[0], frames[1] + 1)) - detected_frames,
+    )
     proposals = [
         {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals
     ]

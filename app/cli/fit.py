@@ -81,12 +81,13 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
     """How the surfaces are to be fitted. What the poses were set by is not changed."""
     surface = surface_of(session)
-    for name, what in (("units", "in {}"), ("up", "with {} up")):
-        given, known = getattr(arguments, name), getattr(surface, name)
-        if given not in (None, known):
+    for name, phrase in (("units", "in {}"), ("up", "with {} up")):
+        ordered, present = getattr(arguments, name), getattr(surface, name)
+        if ordered not in (None, present):
             raise SessionError(
-                f"{arguments.session.name} was posed in meshes read {what.format(known)}, not "
-                f"{what.format(given)}: change it under Fit in the page, where the poses follow."
+                f"{arguments.session.name} was posed in meshes read {phrase.format(present)}, "
+                f"not {phrase.format(ordered)}: change it under Fit in the page, "
+                "where the poses follow."
             )
     asked = {name: getattr(arguments, name) for name in ("weights", "distance", "binding")}
     if arguments.cameras is not None:

@@ -58,13 +58,13 @@ def follow(
     with set_when_interrupted(stop), _reporter(wanted, as_json) as send:
         try:
             for report in rerun(session, session_path, video, wanted, workers=workers, stop=stop):
-                found = found_in(report)
+                event = found_in(report)
                 if isinstance(report, Finished):
                     cancelled = report.cancelled
-                if isinstance(found, SegmentFinished):
-                    finished[found.result.span] = found.result
-                if found is not None:
-                    _send_or_stop(send, found, stop)
+                if isinstance(event, SegmentFinished):
+                    finished[event.result.span] = event.result
+                if event is not None:
+                    _send_or_stop(send, event, stop)
         except KeyboardInterrupt:
             return Run(_in_order(finished), interrupted=True)
         except KeyposeError as error:

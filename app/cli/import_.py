@@ -218,10 +218,10 @@ def _print_drafts(
 # --- names
 
 
-def _print_names(facts: dict[str, Any], what: str) -> None:
+def _print_names(facts: dict[str, Any], noun: str) -> None:
     matched = facts["matched"].items()
     pairs = ", ".join(f"{theirs[:LONGEST_NAME]} = {ours}" for theirs, ours in matched)
-    print(f"Matched {len(facts['matched'])} {what} ({facts['convention']}): {pairs}")
+    print(f"Matched {len(facts['matched'])} {noun} ({facts['convention']}): {pairs}")
     if facts["left_out"]:
         count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > MOST_NAMES else ""
         names = (name[:LONGEST_NAME] for name in facts["left_out"][:MOST_NAMES])

@@ -96,7 +96,7 @@ def sigterm_as_ctrl_c() -> Iterator[None]:
 def _handlers(handle: Handler, *numbers: signal.Signals) -> Iterator[None]:
     """A signal that is ignored stays so: whoever started this program wants that."""
     before = {number: signal.getsignal(number) for number in numbers}
-    before = {n: known for n, known in before.items() if known not in (signal.SIG_IGN, None)}
+    before = {n: handler for n, handler in before.items() if handler not in (signal.SIG_IGN, None)}
     if threading.current_thread() is not threading.main_thread():  # no other may set handlers
         before = {}
     for number in before:
@@ -104,5 +104,5 @@ def _handlers(handle: Handler, *numbers: signal.Signals) -> Iterator[None]:
     try:
         yield
     finally:
-        for number, known in before.items():
-            signal.signal(number, known)
+        for number, handler in before.items():
+            signal.signal(number, handler)

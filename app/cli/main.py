@@ -90,18 +90,20 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parsed(argv: list[str]) -> argparse.Namespace:
     """The arguments; a name that is not known is refused with the nearest one that is."""
-    given = next((word for word in argv if not word.startswith("-")), None)
-    top, commands = grammar(given or "none")
-    if given is None:
+    command_name = next((word for word in argv if not word.startswith("-")), None)
+    top, commands = grammar(command_name or "none")
+    if command_name is None:
         return top.parse_args(argv)
-    if given not in commands:
-        is_there = os.path.exists(given)  # noqa: PTH110 — Path's raises for some names
-        meant = f"; did you mean `keypose open {given}`?" if is_there else ""
-        top.error(f"there is no command {given!r}{meant or _nearest(given, list(commands))}")
-    _require_known_options(argv[argv.index(given) + 1 :], commands[given])
+    if command_name not in commands:
+        is_there = os.path.exists(command_name)  # noqa: PTH110 — Path's raises for some names
+        meant = f"; did you mean `keypose open {command_name}`?" if is_there else ""
+        top.error(
+            f"there is no command {command_name!r}{meant or _nearest(command_name, list(commands))}"
+        )
+    _require_known_options(argv[argv.index(command_name) + 1 :], commands[command_name])
     arguments, further = top.parse_known_args(argv)
     if further:
-        commands[given].error(f"there is one argument too many, {further[0]!r}")
+        commands[command_name].error(f"there is one argument too many, {further[0]!r}")
     return arguments
 
 
@@ -111,13 +113,15 @@ def _require_known_options(words: list[str], command: _Parser) -> None:
         name = word.split("=")[0]
         if name == "--":
             return
-        if name.startswith("--") and not any(known.startswith(name) for known in command.options()):
+        if name.startswith("--") and not any(
+            option.startswith(name) for option in command.options()
+        ):
             command.error(f"there is no option {name!r}{_nearest(name, command.options())}")
 
 
-def _nearest(given: str, known: list[str]) -> str:
+def _nearest(word: str, choices: list[str]) -> str:
     """What was meant, where it can be guessed."""
-    near = get_close_matches(given, known, n=1)
+    near = get_close_matches(word, choices, n=1)
     return f"; did you mean {near[0]}?" if near else ""
 
 

@@ -33,15 +33,15 @@ TIMEOUT_S = 30.0
 
 
 def run(arguments: argparse.Namespace) -> int:
-    what, name = arguments.what, arguments.name
-    given = "--from" if arguments.file is not None else "--sha256"
-    if what != "add" and (arguments.file is not None or arguments.sha256 is not None):
-        raise KeypointError(f"{given} belongs to `keypose models add NAME`.")
-    if what == "list":
+    action, name = arguments.what, arguments.name
+    option = "--from" if arguments.file is not None else "--sha256"
+    if action != "add" and (arguments.file is not None or arguments.sha256 is not None):
+        raise KeypointError(f"{option} belongs to `keypose models add NAME`.")
+    if action == "list":
         return _list(arguments.json)
     if name is None:
-        raise KeypointError(f"Name the network to {what}, as in `keypose models {what} heavy`.")
-    if what == "remove":
+        raise KeypointError(f"Name the network to {action}, as in `keypose models {action} heavy`.")
+    if action == "remove":
         remove_network(name)
         return 0
     model = _added(name, arguments)

@@ -85,8 +85,8 @@ def _with_reading(
             raise KeyposeError("--recorded-fps and --deinterlace need a video or a session.")
 
         path = open_as_taken(path, library.session_for, taken)
-    given = (arguments.units, arguments.up, arguments.cameras)
-    if given == (None, None, None):
+    asked = (arguments.units, arguments.up, arguments.cameras)
+    if asked == (None, None, None):
         return path
     if path is None:
         raise KeyposeError("--units, --up and --cameras need meshes to read.")

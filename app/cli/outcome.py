@@ -146,7 +146,7 @@ def _save_found(
         ],
         "lost": any(segment.verdict.kind == "lost" for segment in mine),
     }
-    findings = [found for stretch in results.space for found in stretch.findings]
+    findings = [finding for stretch in results.space for finding in stretch.findings]
     if findings:
         from keypose.app.words.problems import space_sentence  # which loads posing
 
@@ -209,8 +209,8 @@ def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
         print(f"frames {segment['first_frame']}–{segment['last_frame']}: {segment['words']}")
         for words in segment["notes"]:
             print(f"  {words}")
-    for found in summary.get("in_space", ()):
-        print(f"in space: {found['words']}")
+    for finding in summary.get("in_space", ()):
+        print(f"in space: {finding['words']}")
     if summary["session"] is not None:
         print(f"Written: {summary['tracks']}")
         print(f"Written: {summary['session']}")
@@ -221,9 +221,9 @@ def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
 
 def _interruption_message(summary: dict[str, Any]) -> str:
     """What is there of a run that was interrupted."""
-    found = summary["segments"]
-    parts = sum(segment.get("missing", 0) > 0 for segment in found)
-    whole = f"{len(found) - parts} of {summary['segments_of']} segments are"
+    segments = summary["segments"]
+    parts = sum(segment.get("missing", 0) > 0 for segment in segments)
+    whole = f"{len(segments) - parts} of {summary['segments_of']} segments are"
     return f"{whole} finished, {parts} more kept in part." if parts else f"{whole} kept."
 
 

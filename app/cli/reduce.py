@@ -27,17 +27,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _change(session: Session, arguments: argparse.Namespace) -> Change:
-    found, reduction = _reduced(session, arguments)
-    facts = _facts(session, found, reduction)
+    reducible_motion, reduction = _reduced(session, arguments)
+    facts = _facts(session, reducible_motion, reduction)
     return Change(
-        lambda: _with_reduction(session, found, reduction, arguments),
-        tuple(_lines(found, reduction, facts)),
+        lambda: _with_reduction(session, reducible_motion, reduction, arguments),
+        tuple(_lines(reducible_motion, reduction, facts)),
         {**facts, "written": None if arguments.dry_run else str(arguments.session)},
     )
 
 
 def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible, Reduction]:
-    found = reducible(
+    reducible_motion = reducible(
         session,
         load_results(session, arguments.session).fitting(session),
         load_first_motion(session, arguments.session.parent),
@@ -51,26 +51,35 @@ def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible
         reduction = reduce_motion(
             skeleton,
             camera,
-            found.motion,
+            reducible_motion.motion,
             arguments.goal,
-            found.required,
-            found.parts,
+            reducible_motion.required,
+            reducible_motion.parts,
             progress,
             session.camera_path,
         )
-    return found, reduction
+    return reducible_motion, reduction
 
 
 def _with_reduction(
-    session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
+    session: Session,
+    reducible_motion: Reducible,
+    reduction: Reduction,
+    arguments: argparse.Namespace,
 ) -> Session:
     """The session with its keyframes; the motion between them is written beside it."""
     path = arguments.session
     with open_video_of(session, path) as video:
         times_s = session.evidence.times_s(video.info.times_s)
-    own = None if found.parts is not None else save_own_motion(session, path, found.motion)
+    own = (
+        None
+        if reducible_motion.parts is not None
+        else save_own_motion(session, path, reducible_motion.motion)
+    )
     replacing = arguments.replace_keyframes
-    return reduced_session(session, found, reduction.frames, times_s, own, replacing=replacing)
+    return reduced_session(
+        session, reducible_motion, reduction.frames, times_s, own, replacing=replacing
+    )
 
 
 @contextmanager
@@ -93,16 +102,18 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 # --- what is printed
 
 
-def _lines(found: Reducible, reduction: Reduction, facts: Mapping[str, Any]) -> Iterator[str]:
-    noun = "part keyframes" if found.parts is not None else "keyframes"
+def _lines(
+    reducible_motion: Reducible, reduction: Reduction, facts: Mapping[str, Any]
+) -> Iterator[str]:
+    noun = "part keyframes" if reducible_motion.parts is not None else "keyframes"
     kept = f", {facts['kept']} of them there before" if facts["kept"] else ""
     yield (
         f"{len(reduction.frames)} {noun} for {reduction.known_count} "
-        f"{_FOUND[found.source]} frames"
+        f"{_FOUND[reducible_motion.source]} frames"
         f"{kept}: one in {reduction.frames_per_keyframe:.1f} frames."
     )
     yield f"Frames: {', '.join(map(str, reduction.frames))}"
-    if found.parts is None:
+    if reducible_motion.parts is None:
         yield "The motion between them stays as it is, for tracking to start from."
     yield f"Interpolated alone, no point of the body is off by more than {_off(facts)}."
     if facts["frames_without_a_pose"]:
@@ -114,11 +125,15 @@ def _off(facts: Mapping[str, Any]) -> str:
     return " and ".join(f"{value:.2g} {unit}" for unit, value in off.items() if value is not None)
 
 
-def _facts(session: Session, found: Reducible, reduction: Reduction) -> dict[str, Any]:
-    posed = session.subject.keyframes if found.parts is None else session.subject.part_keyframes
+def _facts(session: Session, reducible_motion: Reducible, reduction: Reduction) -> dict[str, Any]:
+    posed = (
+        session.subject.keyframes
+        if reducible_motion.parts is None
+        else session.subject.part_keyframes
+    )
     own, tolerance = {keyframe.frame for keyframe in posed}, reduction.tolerance
     return {
-        "source": found.source,
+        "source": reducible_motion.source,
         "frames": list(reduction.frames),
         "kept": sum(frame in own for frame in reduction.frames),
         "frames_per_keyframe": reduction.frames_per_keyframe,

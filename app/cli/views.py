@@ -14,11 +14,11 @@ from keypose.tracker.storage.atomic import require_absent, require_folder
 from keypose.tracker.storage.files import load_session, open_video_of, video_path
 
 
-def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:
+def session_to_draw(arguments: argparse.Namespace, noun: str, *suffixes: str) -> Session:
     """The session to draw, once it is known that the file can be written."""
     out: Path = arguments.out
     if out.suffix.lower() not in suffixes:
-        raise FormatError(f"{str(out)!r} must end in {suffixes[0]}, the format of the {what}.")
+        raise FormatError(f"{str(out)!r} must end in {suffixes[0]}, the format of the {noun}.")
     session = load_session(arguments.session)
     if not arguments.overwrite:
         require_absent([out])

@@ -117,10 +117,10 @@ class _Detected:
         """First and last of the frames whose keypoints are kept, when it is left here; None where
         these are too few to pose."""
         if self.last > self.at:
-            found = frames[0], self.last // STRETCH * STRETCH
+            kept_frames = frames[0], self.last // STRETCH * STRETCH
         else:
-            found = -(-self.first // STRETCH) * STRETCH, self.at
-        return found if found[1] - found[0] + 1 >= FEWEST_KEPT else None
+            kept_frames = -(-self.first // STRETCH) * STRETCH, self.at
+        return kept_frames if kept_frames[1] - kept_frames[0] + 1 >= FEWEST_KEPT else None
 
 
 def drafted(
@@ -242,16 +242,18 @@ class DraftClip(Fit):
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, action: Draft | DraftRest) -> Self:
         doc, last = edit.doc, edit.frame_count - 1
-        given = sent(opened, doc, keyframes=())
+        work_inputs = sent(opened, doc, keyframes=())
         if action.do == "draft_rest":
             rest = require_rest(doc)
             ends = rest.frames[0].first_frame, rest.frames[-1].last_frame
             frames = min(rest.frame, ends[0]), max(rest.frame, ends[1])
-            return cls(*given, rest.frame, rest.box, frames, False, doc.world.up_world, rest.frames)
+            return cls(
+                *work_inputs, rest.frame, rest.box, frames, False, doc.world.up_world, rest.frames
+            )
         frames = (action.first or 0, last if action.last is None else action.last)
         require_draftable(doc, action.frame, action.box, frames)
         box, proportions = action.box, not keeps_proportions(doc)
-        return cls(*given, action.frame, box, frames, proportions, doc.world.up_world)
+        return cls(*work_inputs, action.frame, box, frames, proportions, doc.world.up_world)
 
     def work(self, session: Session, context: Context) -> Drafted:
         began = time.monotonic()
@@ -275,15 +277,15 @@ class DraftClip(Fit):
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return doc.subject.body, *filmed_by(doc), doc.view.surface, doc.subject.keyframes
 
-    def apply(self, found: Drafted, state: AppState) -> tuple[AppState, str]:
+    def apply(self, result: Drafted, state: AppState) -> tuple[AppState, str]:
         assert state.opened is not None
-        after = self.taken(found, state.editing, Path(state.opened.session_path))
+        after = self.taken(result, state.editing, Path(state.opened.session_path))
         return replace(state, edit=after, draft=after.doc), ""
 
-    def taken(self, found: Drafted, edit: EditorState, path: Path) -> EditorState:
+    def taken(self, result: Drafted, edit: EditorState, path: Path) -> EditorState:
         """The state with the drafts, their keypoints written beside the session; KeyposeError where
         that is not possible. path: of the session's file."""
-        draft, network, detected = found
+        draft, network, detected = result
         first, last = self.frames
         asked = range(first, last + 1) if self.rest is None else frames_of(self.rest)
         only, rest = taken_and_left(asked, detected, self.frame, self.box)

@@ -105,12 +105,12 @@ def who_is_drafted(
     whole = (0.0, 0.0, session.view.video.width - 1.0, session.view.video.height - 1.0)
     require_draftable(session, frames[0] if order.frame is None else order.frame, whole, frames)
     numbers = spread_frames(*frames) if order.frame is None else [order.frame]
-    found = people_seen(video, numbers, report)
-    if found is None:
+    people = people_seen(video, numbers, report)
+    if people is None:
         raise KeypointError(NOBODY)
-    if len(found.people) > 1:
-        raise KeypointError(several_words(found))
-    return WhoIsDrafted(found.frame, found.people[0].box, found)
+    if len(people.people) > 1:
+        raise KeypointError(several_words(people))
+    return WhoIsDrafted(people.frame, people.people[0].box, people)
 
 
 def people_seen(
@@ -118,18 +118,18 @@ def people_seen(
 ) -> PeopleInFilm | None:
     """Who is to be seen at some frames of a film; where nobody is near, who is far away at the
     first frame of every second that shows somebody."""
-    finder, seen = PeopleFinder.open(), dict[int, tuple[FoundPerson, ...]]()
+    finder, people_of_frame = PeopleFinder.open(), dict[int, tuple[FoundPerson, ...]]()
     searches = [(number, WHOLE_AND_NEAR) for number in numbers]
     searches += [(number, FAR) for number in numbers[::2]]
     for done, (number, shares) in enumerate(searches):
-        if shares == FAR and any(seen.values()):
+        if shares == FAR and any(people_of_frame.values()):
             break
         report(done / len(searches))
         try:
-            seen[number] = finder(video.frame(number), shares)
+            people_of_frame[number] = finder(video.frame(number), shares)
         except MissingFrame:
             continue
-    return people_in_film(seen)
+    return people_in_film(people_of_frame)
 
 
 def with_draft_kept(

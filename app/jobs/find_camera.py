@@ -113,8 +113,8 @@ class FindCamera(Fit):
             for span, segment_result in edit.fitting.items()
             if segment_result.finished
         }
-        given = sent(opened, edit.doc, drafts=edit.doc.subject.drafts)
-        return cls(*given, asked.camera, finished)
+        work_inputs = sent(opened, edit.doc, drafts=edit.doc.subject.drafts)
+        return cls(*work_inputs, asked.camera, finished)
 
     def work(self, session: Session, context: Context) -> FoundCamera:
         from keypose.tracker.operations import (

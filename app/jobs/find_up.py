@@ -69,9 +69,13 @@ def seen_lines(session: Session, video: Video, at: int | None = None) -> SeenLin
         return SeenLines(None if lines is None else lines.evidence, lines)
     frames = [] if session.camera_path is None else _spread(session)
     frames += [] if at is None else [at]
-    found = {frame: upright_lines(session, video, frame) for frame in dict.fromkeys(frames)}
-    known = {frame: lines for frame, lines in found.items() if lines is not None}
-    return SeenLines(evidence_of_lines(session, known), None if at is None else found[at], at)
+    lines_of_frame = {
+        frame: upright_lines(session, video, frame) for frame in dict.fromkeys(frames)
+    }
+    found_lines = {frame: lines for frame, lines in lines_of_frame.items() if lines is not None}
+    return SeenLines(
+        evidence_of_lines(session, found_lines), None if at is None else lines_of_frame[at], at
+    )
 
 
 def _spread(session: Session) -> list[int]:
@@ -125,11 +129,13 @@ class FindUp(Fit):
             motions_of,
         )  # loads what only this needs
 
-        seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
+        seen_upright = seen_lines(
+            session, context.cache.video(session, self.video_path), self.frame
+        )
         free = session.with_up(None)  # asked for anew, whatever was set
         motions = motions_of(free, self.fitting)
-        estimate = estimated_up(free, motions, seen.evidence)
-        return FoundUp(estimate, seen.lines, seen.frame, seen=seen.evidence)
+        estimate = estimated_up(free, motions, seen_upright.evidence)
+        return FoundUp(estimate, seen_upright.lines, seen_upright.frame, seen=seen_upright.evidence)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         subject = doc.subject

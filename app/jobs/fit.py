@@ -55,10 +55,10 @@ class Fit(Job):
         session = Session.model_validate_json(self.session)
         if self.not_of_surfaces and _ARE_SURFACES.of(session):
             raise SurfaceError(self.not_of_surfaces)
-        found = self.work(session, context)
+        result = self.work(session, context)
         if not self.keeps_found:
             context.leave_when_cancelled()
-        return found
+        return result
 
     def work(self, session: Session, context: Context) -> Any:
         """Do it for the session; Cancelled or KeyposeError as in `run`."""
@@ -72,7 +72,7 @@ class Fit(Job):
         """Whether what it began from still stands."""
         return unchanged(self.inputs(edit.doc), self.inputs(began.doc))
 
-    def apply(self, found: Any, state: AppState) -> tuple[AppState, str]:
+    def apply(self, result: Any, state: AppState) -> tuple[AppState, str]:
         """The state with what was found, and what else is to be said; KeyposeError where that is
         not possible."""
         raise NotImplementedError

@@ -99,12 +99,17 @@ class FitPose(Fit):
         # loads what only this needs
         from keypose.tracker.surface.fit.fitter import fit_pose_to_surface, fit_solids_to_surface
 
-        given, model = (session, self.video_path, Path(self.folder)), session.model_keyframe
+        surface_inputs, model = (
+            (session, self.video_path, Path(self.folder)),
+            session.model_keyframe,
+        )
         if model is None or model.frame == self.frame:
-            mesh = context.cache.surfaces(*given).mesh(self.frame)
+            mesh = context.cache.surfaces(*surface_inputs).mesh(self.frame)
             fitted_pose = fit_solids_to_surface(mesh, Skeleton.of(session.subject.body), self.pose)
         else:
-            fitted_pose = fit_pose_to_surface(context.cache.fitter(*given), self.frame, self.pose)
+            fitted_pose = fit_pose_to_surface(
+                context.cache.fitter(*surface_inputs), self.frame, self.pose
+            )
         return FoundPose(fitted_pose.pose, True, fitted_pose.message)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:

@@ -90,9 +90,9 @@ class JobRunner:
             )
         return self._worker
 
-    def _on_loop(self, call: Callable[..., None], *given: Any) -> None:
+    def _on_loop(self, call: Callable[..., None], *arguments: Any) -> None:
         with suppress(RuntimeError):  # the loop has been closed
-            self._loop.call_soon_threadsafe(call, *given)
+            self._loop.call_soon_threadsafe(call, *arguments)
 
     def _on_message(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:

@@ -50,8 +50,8 @@ def learned(
     if lifter is not None:
         keypoints = keypoints.over(*_looked_at(lifter, keypoints, around))
         keypoints = lifter.of(keypoints, session.subject.body)
-    seen, camera = at_one_focal(session, keypoints), session.view.camera
-    return refit_drafts(seen, camera, session.subject.body, drafts, posed, around, changes)
+    filmed, camera = at_one_focal(session, keypoints), session.view.camera
+    return refit_drafts(filmed, camera, session.subject.body, drafts, posed, around, changes)
 
 
 def _looked_at(

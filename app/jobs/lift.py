@@ -90,11 +90,11 @@ class LiftDrafts(Fit):
         }
         if lifter is not None:
             keypoints = lifter.of(keypoints, session.subject.body)
-        seen = at_one_focal(session, keypoints)
+        filmed = at_one_focal(session, keypoints)
         return {
             **anew,
             **refit_drafts(
-                seen, session.view.camera, session.subject.body, anew, posed, posed, changes
+                filmed, session.view.camera, session.subject.body, anew, posed, posed, changes
             ),
         }
 

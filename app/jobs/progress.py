@@ -28,8 +28,8 @@ def reaching(wanted: Sequence[Wanted], frames: Span | None) -> list[Wanted]:
         return list(wanted)
     first, last = frames
     if first == last:
-        return [one for one in wanted if one[0] <= first <= one[1]]
-    return [one for one in wanted if one[0] < last and one[1] > first]
+        return [span for span in wanted if span[0] <= first <= span[1]]
+    return [span for span in wanted if span[0] < last and span[1] > first]
 
 
 @dataclass(frozen=True)
@@ -99,11 +99,11 @@ def _is_of_surfaces(event: PassFinished) -> bool:
     return event.result.steps == ("fit",)
 
 
-def seconds_left(elapsed: float, share: float, given: float = 0.0) -> float | None:
+def seconds_left(elapsed: float, share: float, given_share: float = 0.0) -> float | None:
     """Extrapolate as if the rest went as fast as what is done, a share without what was given; None
     while that says little.
     """
-    done = share - given
+    done = share - given_share
     if done < KNOWN_SHARE or elapsed < KNOWN_SECONDS:
         return None
     return elapsed * (1.0 - share) / done

@@ -39,7 +39,7 @@ class ReduceMotion(Fit):
         last = edit.frame_count - 1
         frames = (action.first or 0, last if action.last is None else action.last)
         imported = load_first_motion(edit.doc, opened.session_path.absolute().parent)
-        found = reducible(
+        reducible_motion = reducible(
             edit.doc,
             edit.fitting,
             imported,
@@ -47,8 +47,8 @@ class ReduceMotion(Fit):
             limbs=action.limbs,
             replacing=action.replacing,
         )
-        given = sent(opened, edit.doc, keyframes=(), part_keyframes=())
-        return cls(*given, found, _goal_of(action))
+        work_inputs = sent(opened, edit.doc, keyframes=(), part_keyframes=())
+        return cls(*work_inputs, reducible_motion, _goal_of(action))
 
     def work(self, session: Session, context: Context) -> Reduction:
         from keypose.tracker.reduction.reduce import reduce_motion  # loads what only this needs
@@ -62,14 +62,14 @@ class ReduceMotion(Fit):
                 reported = 100 * done // expected
                 context.report(done / expected)
 
-        found, skeleton = self.found, Skeleton.of(session.subject.body)
+        reducible_motion, skeleton = self.found, Skeleton.of(session.subject.body)
         return reduce_motion(
             skeleton,
             session.view.camera,
-            found.motion,
+            reducible_motion.motion,
             self.goal,
-            found.required,
-            found.parts,
+            reducible_motion.required,
+            reducible_motion.parts,
             report,
             session.camera_path,
         )

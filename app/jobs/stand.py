@@ -109,8 +109,10 @@ class StandOnFloor(Fit):
     def work(self, session: Session, context: Context) -> tuple[Standing, SeenLines]:
         from keypose.tracker.operations.stand import stand  # loads what only this needs
 
-        seen = seen_lines(session, context.cache.video(session, self.video_path), self.frame)
-        return stand(session, self.fitting, seen.evidence, context.cancelled), seen
+        seen_upright = seen_lines(
+            session, context.cache.video(session, self.video_path), self.frame
+        )
+        return stand(session, self.fitting, seen_upright.evidence, context.cancelled), seen_upright
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
@@ -120,8 +122,8 @@ class StandOnFloor(Fit):
             *(doc.value(name) for name in CHANGED),
         )
 
-    def apply(self, found: tuple[Standing, SeenLines], state: AppState) -> tuple[AppState, str]:
-        done, seen = found
+    def apply(self, result: tuple[Standing, SeenLines], state: AppState) -> tuple[AppState, str]:
+        done, seen_upright = result
         edit = state.editing
         fields = {name: done.session.value(name) for name in CHANGED if name != "keyframes"}
         keyframes = (
@@ -131,6 +133,8 @@ class StandOnFloor(Fit):
         fields["keyframes"] = tuple(keyframes)  # those that stay are the same
         after = edit.with_step(edit.doc.changed(fields), LABEL)
         up = (
-            FoundUp(done.up, seen.lines, seen.frame, after.doc) if done.up.apart else None
+            FoundUp(done.up, seen_upright.lines, seen_upright.frame, after.doc)
+            if done.up.apart
+            else None
         )  # to choose from
         return replace(state, edit=after, up=up), standing_words(done)

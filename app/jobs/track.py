@@ -152,11 +152,11 @@ class TrackReporter:
                 self._context.hold()
                 self._send(event, words_of(event))
 
-    def _send(self, found: Found, words: str = "") -> None:
+    def _send(self, event: Found, words: str = "") -> None:
         with self._lock:
-            shares = self._shares = self._shares.after(found)
+            shares = self._shares = self._shares.after(event)
             left = shares.seconds_left(time.monotonic())
-            step = Tracked(found, shares.share_of(found.result.span))
+            step = Tracked(event, shares.share_of(event.result.span))
             self._context.report(shares.share, words, step, left)
 
 

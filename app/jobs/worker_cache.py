@@ -96,8 +96,8 @@ class WorkerCache:
             return None
         path = folder / session.view.keypoints.file  # named by its content
         if self._keypoints is None or self._keypoints[0] != path:
-            found = sidecars.keypoints_of_session(session, folder)
-            self._keypoints = None if found is None else (path, found)
+            read_keypoints = sidecars.keypoints_of_session(session, folder)
+            self._keypoints = None if read_keypoints is None else (path, read_keypoints)
         return self._keypoints and self._keypoints[1]
 
     def video(self, session: Session, path: str, folder: Path = Path()) -> Video:

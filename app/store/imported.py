@@ -52,7 +52,7 @@ class ImportOutcome:
 
 
 def with_import(
-    began: Session, edit: EditorState, found: Import, file: str, session_path: Path
+    began: Session, edit: EditorState, imported: Import, file: str, session_path: Path
 ) -> tuple[EditorState, ImportOutcome]:
     """The state with what was imported; KeyposeError where that is not possible any more.
 
@@ -60,25 +60,27 @@ def with_import(
     """
     if not unchanged(_inputs(began), _inputs(edit.doc)):
         raise ActionRefused(CHANGED)
-    if isinstance(found, MotionImport):
+    if isinstance(imported, MotionImport):
         make_folder(session_path.parent, error=SessionError)
-        motion = found.found.fit.trajectory
-        doc = save_first_motion(edit.doc, session_path, motion, file, found.matched)
-        outcome = _of_motion(found, file, edit.doc)
-    elif isinstance(found, DraftImport):
-        if not found.drafts:
-            raise ActionRefused(_no_draft(found, edit.doc))
-        doc, outcome = found.added_to(edit.doc), _of_drafts(found, file)
+        motion = imported.found.fit.trajectory
+        doc = save_first_motion(edit.doc, session_path, motion, file, imported.matched)
+        outcome = _of_motion(imported, file, edit.doc)
+    elif isinstance(imported, DraftImport):
+        if not imported.drafts:
+            raise ActionRefused(_no_draft(imported, edit.doc))
+        doc, outcome = imported.added_to(edit.doc), _of_drafts(imported, file)
     else:
-        doc = with_camera_file(edit.doc, found, file)
+        doc = with_camera_file(edit.doc, imported, file)
         focal, floor = (
             doc.view.camera.focal_mm,
-            " and the floor" if found.floor_m is not None else "",
+            " and the floor" if imported.floor_m is not None else "",
         )
         words = f"Camera of {file} imported: {focal:.1f} mm, what is up{floor}."
-        known = imported_words(doc, found.background_px) if found.way is not None else []
-        detail = " ".join([*note_words(found.notes), *known])
-        outcome = ImportOutcome(words, detail, bool(found.notes))
+        words_of_camera = (
+            imported_words(doc, imported.background_px) if imported.way is not None else []
+        )
+        detail = " ".join([*note_words(imported.notes), *words_of_camera])
+        outcome = ImportOutcome(words, detail, bool(imported.notes))
     return edit.with_step(doc, LABEL), outcome
 
 

@@ -280,10 +280,10 @@ class Store:
         errors += [(PLACES[name], error) for name, error in self._sections.failed.items()]
         return shown, errors
 
-    def surface_seen(self, seen: SurfaceSeen) -> None:
+    def surface_seen(self, view: SurfaceSeen) -> None:
         """The views have looked at an observed surface; what they saw of it."""
-        if seen != self._app_state.surface:
-            self._set(surface=seen)
+        if view != self._app_state.surface:
+            self._set(surface=view)
 
     def surfaces_unusable(self, words: str) -> None:
         """Set which of the observed surfaces cannot be used: a sentence."""
@@ -400,13 +400,15 @@ class Store:
         self._proposals.require_none()
         return ImportTarget(edit.settled, opened.session_path, opened.video.info)
 
-    def take_import(self, target: ImportTarget, found: Import, file: str) -> ImportOutcome:
+    def take_import(self, target: ImportTarget, imported: Import, file: str) -> ImportOutcome:
         """Go on with what was imported; KeyposeError where the session is another one by now."""
         now = self.import_target()
         edit = self._app_state.edit
         if edit is None or now.session_path != target.session_path:
             raise ActionRefused("Another session was opened meanwhile: import again.")
-        after, outcome = with_import(target.doc, end_stroke(edit), found, file, target.session_path)
+        after, outcome = with_import(
+            target.doc, end_stroke(edit), imported, file, target.session_path
+        )
         self._edit_to(after)
         return outcome
 

@@ -74,12 +74,12 @@ def direction_errors(
     """
     if not _is_persons(skeleton):
         return None
-    found = np.full((len(motion), skeleton.part_count), np.nan)
+    errors = np.full((len(motion), skeleton.part_count), np.nan)
     for rows, body in _pieces(skeleton, motion, across_m, along_m):
         for name, line in body.lines.items():
             turn = body.turns[name] - line[:, None] * (body.turns[name] @ line[..., None])
-            found[rows, skeleton.body.index(name)] = _median(turn)
-    return found
+            errors[rows, skeleton.body.index(name)] = _median(turn)
+    return errors
 
 
 def angle_errors(
@@ -106,11 +106,11 @@ def angle_errors(
     ]
     ground = np.eye(3) if R_ground_camera is None else R_ground_camera
     ground = np.broadcast_to(ground, (len(motion), 3, 3))
-    found = {joint: np.full((len(motion), 3), np.nan) for joint in wanted}
+    errors_of_joint = {joint: np.full((len(motion), 3), np.nan) for joint in wanted}
     for rows, body in _pieces(skeleton, motion, across_m, along_m):
         for joint in wanted:
-            found[joint][rows] = _of_joint(skeleton, body, joint, ground[rows])
-    return found
+            errors_of_joint[joint][rows] = _of_joint(skeleton, body, joint, ground[rows])
+    return errors_of_joint
 
 
 def in_metres(
@@ -152,10 +152,10 @@ def _pieces(
 
 def _of_joint(skeleton: Skeleton, body: _Posed, joint: Joint, ground: Array) -> Array:
     """(N, 3) of a joint's angles about z, x and y."""
-    seen = np.asarray(np.isfinite(body.along_m).all(axis=-1))[:, None]
-    unseen = np.full((len(seen), 3), UNSEEN_RAD)
+    is_seen = np.asarray(np.isfinite(body.along_m).all(axis=-1))[:, None]
+    unseen = np.full((len(is_seen), 3), UNSEEN_RAD)
     if joint.part not in body.turns or (joint.carrier != ROOT and joint.carrier not in body.turns):
-        return np.where(seen, unseen, np.nan)
+        return np.where(is_seen, unseen, np.nan)
     turned, R_axes_camera = body.turns[joint.part], joint.axes_turned @ ground
     if joint.carrier != ROOT:
         turned = turned - body.turns[joint.carrier]
@@ -166,7 +166,7 @@ def _of_joint(skeleton: Skeleton, body: _Posed, joint: Joint, ground: Array) -> 
     each = np.minimum(each, np.pi / 2)
     if joint.name.endswith(_HINGES):
         each[:, 1:] = UNSEEN_RAD
-    return np.where(seen, each, np.nan)
+    return np.where(is_seen, each, np.nan)
 
 
 def _rates(R: Array) -> Array:
@@ -211,11 +211,11 @@ class _Posed:
         """(N, 3) unit vectors along the bones that are seen, of waist and chest from right to
         left."""
         p = self.point
-        found = {"waist": p("left_thigh") - p("right_thigh")}
-        found["chest"] = p("left_upper_arm") - p("right_upper_arm")
+        line_of_part = {"waist": p("left_thigh") - p("right_thigh")}
+        line_of_part["chest"] = p("left_upper_arm") - p("right_upper_arm")
         for upper, lower, end in _limbs():
-            found[upper], found[lower] = p(lower) - p(upper), p(end) - p(lower)
-        return {name: _unit(line) for name, line in found.items()}
+            line_of_part[upper], line_of_part[lower] = p(lower) - p(upper), p(end) - p(lower)
+        return {name: _unit(line) for name, line in line_of_part.items()}
 
     @cached_property
     def turns(self) -> dict[str, Array]:
@@ -227,17 +227,17 @@ class _Posed:
         spine = 0.5 * (p("left_upper_arm") + p("right_upper_arm"))
         spine = spine - 0.5 * (p("left_thigh") + p("right_thigh"))
         lean = _swing(spine, middle)
-        found = {}
+        turn_of_part = {}
         for name, left, right in (
             ("waist", "left_thigh", "right_thigh"),
             ("chest", "left_upper_arm", "right_upper_arm"),
         ):
             about = lines[name][:, None] * (lean @ lines[name][..., None])
-            found[name] = _swing(p(left) - p(right), off[left] - off[right]) + about
+            turn_of_part[name] = _swing(p(left) - p(right), off[left] - off[right]) + about
         for upper, lower, end in _limbs():
-            found[upper] = _swing(p(lower) - p(upper), off[lower] - off[upper])
-            found[lower] = _swing(p(end) - p(lower), off[end] - off[lower])
-        return self._with_twists(found)
+            turn_of_part[upper] = _swing(p(lower) - p(upper), off[lower] - off[upper])
+            turn_of_part[lower] = _swing(p(end) - p(lower), off[end] - off[lower])
+        return self._with_twists(turn_of_part)
 
     def _displaced(self) -> Iterator[Array]:
         """(N, K, 3) of each joint, metres."""
@@ -263,13 +263,13 @@ class _Posed:
             apart = np.square((turns[lower] - turns[upper]) @ inside[..., None]).sum(axis=(1, 2))
             shown = np.square(sine) / np.maximum(apart, 1e-12)
             twists[upper] = lines[upper] / np.sqrt(1 / TURNED_RAD**2 + shown)[:, None]
-        found = {}
+        turn_of_part = {}
         for name, turn in turns.items():
             own = np.zeros((count, len(twists), 3))
             if name in twists:
                 own[:, list(twists).index(name)] = twists[name]
-            found[name] = np.concatenate([turn, own], axis=1)
-        return found
+            turn_of_part[name] = np.concatenate([turn, own], axis=1)
+        return turn_of_part
 
 
 def _limbs() -> Iterator[tuple[str, str, str]]:

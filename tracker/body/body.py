@@ -143,8 +143,8 @@ class Body(BaseModel):
         for place, part in enumerate(self.parts):
             if part.name == name:
                 return place
-        known = ", ".join(self.names)
-        raise BodyError(f"The body has no part {name!r}; its parts are {known}.")
+        part_names = ", ".join(self.names)
+        raise BodyError(f"The body has no part {name!r}; its parts are {part_names}.")
 
     def with_part(self, part: Part) -> Body:
         """This body with the part of the same name exchanged."""
@@ -210,19 +210,19 @@ def _require_no_cycle(parent_of: dict[str, str | None]) -> None:
 
 
 def _require_order(parts: tuple[Part, ...]) -> None:
-    known: set[str | None] = {None}
+    names_before: set[str | None] = {None}
     for part in parts:
-        if part.parent not in known:
+        if part.parent not in names_before:
             raise ValueError(f"part {part.name!r} stands before its parent {part.parent!r}")
-        known.add(part.name)
+        names_before.add(part.name)
 
 
 def _require_pairs(pairs: tuple[tuple[str, str], ...], names: set[str]) -> None:
-    seen: set[str] = set()
+    paired: set[str] = set()
     for pair in pairs:
         for name in pair:
             if name not in names:
                 raise ValueError(f"the mirror pair {pair} names {name!r}, which is not a part")
-            if name in seen or pair[0] == pair[1]:
+            if name in paired or pair[0] == pair[1]:
                 raise ValueError(f"part {name!r} may stand in one mirror pair, beside another part")
-            seen.add(name)
+            paired.add(name)

@@ -81,10 +81,10 @@ def _searched(own: Array, away: Array, near: NDArray[np.bool_]) -> Array:
         ways = change + best
         came[row] = ways.argmin(axis=1)
         best = ways.min(axis=1) + cost[row]
-    way = [int(best.argmin())]
+    path = [int(best.argmin())]
     for row in range(len(own) - 1, 0, -1):
-        way.append(int(came[row, way[-1]]))
-    return np.unwrap(grid[way[::-1]], period=np.pi)
+        path.append(int(came[row, path[-1]]))
+    return np.unwrap(grid[path[::-1]], period=np.pi)
 
 
 def _refining(z: Array, own: Array, away: Array, near: NDArray[np.bool_]) -> Array:

@@ -68,11 +68,11 @@ class FilmCamera:
         """A pose of the world as the camera sees it at a frame."""
         return pose if self.path is None else pose.carried(self.path.Ts_camera_world[frame])
 
-    def pose_seen_at(self, other: int, frame: int, pose: Pose) -> Pose:
+    def pose_seen_at(self, seen_frame: int, frame: int, pose: Pose) -> Pose:
         """The pose of a frame where it stands in the world, as the camera sees it at another."""
         if self.path is None:
             return pose
-        return pose.carried(self.parts_seen_at(other, np.eye(4)[None], [frame])[0])
+        return pose.carried(self.parts_seen_at(seen_frame, np.eye(4)[None], [frame])[0])
 
     def parts_to_world(self, Ts_camera: Array, frames: ArrayLike) -> Array:
         """Ts_camera (N, ..., 4, 4), each in the frame of the camera at its own of N frames, in the

@@ -84,8 +84,8 @@ def ground_of(
     """
     up = np.asarray(up_camera, dtype=np.float64)
     up = up / np.linalg.norm(up)
-    known = np.isfinite(motion.ps_camera_root).all(axis=1)
-    Ts = motion.transforms(skeleton)[known]
+    is_known = np.isfinite(motion.ps_camera_root).all(axis=1)
+    Ts = motion.transforms(skeleton)[is_known]
     ahead = _ahead(Ts[:, 0, :3, :3], up)
     R = np.stack([ahead, up, np.cross(ahead, up)])
     floor = floor_height(floor_m, lowest_heights(skeleton, Ts, up))
@@ -123,8 +123,8 @@ def _ahead(Rs_camera_root: Array, up: Array) -> Array:
     faced = Rs_camera_root @ np.array(AHEAD_PART)
     level = faced - (faced @ up)[:, None] * up
     mean = level.mean(axis=0)
-    for one in (mean, level[0], np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])):
-        one = one - (one @ up) * up
-        if np.linalg.norm(one) > LEAST_AHEAD:
-            return np.asarray(one / np.linalg.norm(one))
+    for direction in (mean, level[0], np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])):
+        direction = direction - (direction @ up) * up
+        if np.linalg.norm(direction) > LEAST_AHEAD:
+            return np.asarray(direction / np.linalg.norm(direction))
     raise AssertionError("one of two axes is not along up")

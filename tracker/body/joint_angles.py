@@ -171,11 +171,11 @@ def joint_angles(
     Rs_parent_part:  (N, P, 3, 3), NaN where not known.
     R_ground_camera: (3, 3) the ground has y up; the pelvis is given in it.
     """
-    found = []
+    angles = []
     for joint in joints_of(body):
         Rs = carried(body, joint, Rs_parent_part, R_ground_camera)
-        found.append(JointAngles(joint, _angles_deg(joint, Rs)))
-    return tuple(found)
+        angles.append(JointAngles(joint, _angles_deg(joint, Rs)))
+    return tuple(angles)
 
 
 def angles_of(body: Body, joint: Joint, rotations: Callable[[int], Array]) -> JointAngles:
@@ -214,12 +214,12 @@ def _chain(body: Body, joint: Joint) -> tuple[int, ...]:
 
 def _angles_deg(joint: Joint, rotations: Array) -> Array:
     signs = np.array([angle.sign for angle in joint.angles])
-    known = np.isfinite(rotations).all(axis=(1, 2))
+    is_known = np.isfinite(rotations).all(axis=(1, 2))
     made = np.full((len(rotations), 3), np.nan)
-    if known.any():
-        both = (continuous_zxy(rotations[known], turned) for turned in (0.0, np.pi))
-        shown = (_near(joint, np.degrees(one)) for one in both)
-        made[known] = min(shown, key=lambda one: one[0])[1]
+    if is_known.any():
+        both = (continuous_zxy(rotations[is_known], turned) for turned in (0.0, np.pi))
+        shown = (_near(joint, np.degrees(angles)) for angles in both)
+        made[is_known] = min(shown, key=lambda candidate: candidate[0])[1]
     return np.asarray(made * signs + 0.0)
 
 

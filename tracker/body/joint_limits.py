@@ -162,10 +162,10 @@ class Limits:
 
     def _least_excess(self, Rs: Array) -> Array:
         """(..., P, 3) the triple [x, y, z] that lies less far outside."""
-        one = euler_from_rotation(Rs)[..., ::-1]
-        other = one + np.pi
-        other[..., 1] = np.pi - one[..., 1]
-        both = np.stack([one, other])
+        first = euler_from_rotation(Rs)[..., ::-1]
+        second = first + np.pi
+        second[..., 1] = np.pi - first[..., 1]
+        both = np.stack([first, second])
         bounded = np.isfinite(self.low) & np.isfinite(self.high)
         middle = np.where(bounded, (np.nan_to_num(self.low) + np.nan_to_num(self.high)) / 2, 0.0)
         both -= 2 * np.pi * np.round((both - middle) / (2 * np.pi))

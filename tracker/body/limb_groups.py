@@ -51,5 +51,5 @@ def _shared_name(group: tuple[str, ...]) -> str:
     if len(group) == 1:
         return group[0]
     words = [name.split("_") for name in group]
-    shared = [word for word in words[0] if all(word in other for other in words)]
+    shared = [word for word in words[0] if all(word in name_words for name_words in words)]
     return "_".join(shared) if shared else " and ".join((group[0], group[-1]))

@@ -214,23 +214,23 @@ def with_height(body: Body, height_m: float) -> Body:
 
 def unscaled(body: Body, others: Iterable[Body]) -> Body | None:
     """Which of other bodies this one is, scaled evenly at most; None where it is none of them."""
-    for other in others:
-        if body.names == other.names:
-            same_height = scaled(other, height(body) / height(other))
+    for candidate in others:
+        if body.names == candidate.names:
+            same_height = scaled(candidate, height(body) / height(candidate))
             if _is_alike(body.model_dump(), same_height.model_dump()):
-                return other
+                return candidate
     return None
 
 
-def _is_alike(one: Any, other: Any) -> bool:
+def _is_alike(first: Any, second: Any) -> bool:
     """Whether all is equal but for rounding."""
-    if isinstance(one, float) and isinstance(other, float):
-        return math.isclose(one, other, rel_tol=ROUNDING, abs_tol=ROUNDING)
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(_is_alike(one[k], other[k]) for k in one)
-    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
-        return len(one) == len(other) and all(map(_is_alike, one, other))
-    return bool(one == other)
+    if isinstance(first, float) and isinstance(second, float):
+        return math.isclose(first, second, rel_tol=ROUNDING, abs_tol=ROUNDING)
+    if isinstance(first, dict) and isinstance(second, dict):
+        return first.keys() == second.keys() and all(_is_alike(first[k], second[k]) for k in first)
+    if isinstance(first, list | tuple) and isinstance(second, list | tuple):
+        return len(first) == len(second) and all(map(_is_alike, first, second))
+    return bool(first == second)
 
 
 def resized(

@@ -33,11 +33,14 @@ def parts_on_ray(
     )  # (F, 3, 3)
     part_of = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
     distance = _hits(corners, origin, direction, start)
-    found: dict[int, float] = {}
+    distance_of_part: dict[int, float] = {}
     for face in np.flatnonzero(np.isfinite(distance)):
         part = int(part_of[face])
-        found[part] = min(found.get(part, np.inf), float(distance[face]))
-    return tuple(skeleton.body.names[part] for part in sorted(found, key=lambda p: found[p]))
+        distance_of_part[part] = min(distance_of_part.get(part, np.inf), float(distance[face]))
+    return tuple(
+        skeleton.body.names[part]
+        for part in sorted(distance_of_part, key=lambda p: distance_of_part[p])
+    )
 
 
 def _hits(corners: Array, origin: Array, direction: Array, start: float) -> NDArray[np.float64]:

@@ -86,11 +86,11 @@ def filtered_positions(ps: Array, kernel: Array) -> Array:
 def filtered_rotations(Rs: Array, kernel: Array) -> Array:
     """Rotations (N, ..., 3, 3) of consecutive frames, at least two."""
     q = quaternion_wxyz(_continued(Rs, len(kernel) // 2))
-    found = []
+    means = []
     for start in range(0, len(Rs), FRAMES_AT_ONCE):
         count = min(FRAMES_AT_ONCE, len(Rs) - start)
-        found.append(_means(q[start : start + count + len(kernel) - 1], kernel))
-    return nearest_rotation(np.concatenate(found))
+        means.append(_means(q[start : start + count + len(kernel) - 1], kernel))
+    return nearest_rotation(np.concatenate(means))
 
 
 def _continued(Rs: Array, reach: int) -> Array:
@@ -128,9 +128,9 @@ def _logs(mean: Array, around: Array) -> Array:
     per_length = np.where(length > 1e-12, angle / np.maximum(length, 1e-12), 2.0)
     logs = imaginary * (sign * per_length)[..., None]
     middle = len(logs) // 2
-    for way in (1, -1):
-        for j in range(middle + way, middle + way * (middle + 1), way):
-            logs[j] = _nearest_turns(logs[j - way], logs[j])
+    for step in (1, -1):
+        for j in range(middle + step, middle + step * (middle + 1), step):
+            logs[j] = _nearest_turns(logs[j - step], logs[j])
     return np.asarray(logs)
 
 

@@ -39,11 +39,11 @@ class _Key:
 def once_per_body(make: Callable[[Body], T]) -> Callable[[Body], T]:
     """The same function, which makes a thing once for each body. What it makes is shared by all who
     ask: it must be immutable."""
-    known = lru_cache(maxsize=BODIES)(lambda key: make(key.body))
+    made_for = lru_cache(maxsize=BODIES)(lambda key: make(key.body))
 
     @wraps(make)
     def of(body: Body) -> T:
-        return known(_Key(body))
+        return made_for(_Key(body))
 
     return of
 

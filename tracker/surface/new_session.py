@@ -187,9 +187,9 @@ def _box(placement: Placement, mesh: SurfaceMesh) -> Box:
 def _boxes(sequence: MeshSequence, placement: Placement, first: Box, frame: int) -> Box:
     """Around several steps, from the first to the last; the few that cannot be used are missing."""
     low, high = first
-    for other in np.linspace(frame, sequence.frame_count - 1, LOOKED_AT).round().astype(int)[1:]:
+    for step in np.linspace(frame, sequence.frame_count - 1, LOOKED_AT).round().astype(int)[1:]:
         try:
-            lower, higher = _box(placement, sequence.mesh(int(other)))
+            lower, higher = _box(placement, sequence.mesh(int(step)))
         except SurfaceError:
             continue
         low, high = np.minimum(low, lower), np.maximum(high, higher)
@@ -203,8 +203,8 @@ def _place_origin(first: Box, all_of_them: Box, camera: Camera) -> tuple[float, 
     near = _nearest_z(all_of_them, camera)
     box = all_of_them
     behind = float(first[0][2] - box[0][2])
-    seen = (first[1][1] - first[0][1]) * camera.fy / (near + behind)
-    if seen < LEAST_HEIGHT * camera.height:
+    height_px = (first[1][1] - first[0][1]) * camera.fy / (near + behind)
+    if height_px < LEAST_HEIGHT * camera.height:
         box, near = first, _nearest_z(first, camera)
     x, y = -(box[0] + box[1])[:2] / 2
     return round(float(x), 4), round(float(y), 4), round(float(near - box[0][2]), 4)

@@ -178,11 +178,11 @@ class _Latest:
         with self._lock:
             if self._closed:
                 raise SurfaceError(_CLOSED)
-            found = self._kept.pop(frame, None) or self._thread.submit(self._make, frame)
-            self._kept[frame] = found
+            future = self._kept.pop(frame, None) or self._thread.submit(self._make, frame)
+            self._kept[frame] = future
             while len(self._kept) > MOST_KEPT:
                 self._kept.popitem(last=False)
-            return found
+            return future
 
 
 def placement_of(surface: Surface) -> Placement:
@@ -212,6 +212,6 @@ def holds_meshes(path: Path) -> bool:
 
 def are_meshes(names: Iterable[str]) -> bool:
     """The same of the names in a folder; hidden ones do not count."""
-    seen = [name.lower() for name in names if not name.startswith(".")]
-    meshes, images = (sum(name.endswith(of) for name in seen) for of in (SUFFIXES, IMAGES))
+    shown_names = [name.lower() for name in names if not name.startswith(".")]
+    meshes, images = (sum(name.endswith(of) for name in shown_names) for of in (SUFFIXES, IMAGES))
     return meshes > 0 and images <= MOST_TEXTURES * meshes

@@ -89,8 +89,8 @@ def add_import(commands: Subcommands) -> None:
     )
     command = add_command(commands, "import", details, _IMPORT_EXAMPLES)
     add_session(command)
-    what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
-    command.add_argument("file", metavar="FILE", type=file_name, help=what)
+    file_help = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
+    command.add_argument("file", metavar="FILE", type=file_name, help=file_help)
     command.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
     command.add_argument(
         "--camera",

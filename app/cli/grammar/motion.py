@@ -142,25 +142,25 @@ def add_camera(commands: Subcommands) -> None:
     )
     command = add_command(commands, "camera", details, _CAMERA_EXAMPLES)
     add_session(command)
-    what = command.add_mutually_exclusive_group()
-    what.add_argument(
+    actions = command.add_mutually_exclusive_group()
+    actions.add_argument(
         "--kind", choices=("static", "turns", "moves"), help="how it moves, where you know"
     )
-    what.add_argument(
+    actions.add_argument(
         "--background",
         type=file_name,
         metavar="FILE.png",
         help="write what stands behind the body, put together all around, of a camera that turns "
         "and is known; nothing else is done",
     )
-    what.add_argument(
+    actions.add_argument(
         "--went",
         type=typed(Number(least=0.01, most=10_000, unit="m")),
         metavar="METRES",
         help="how far the camera went from where it began, where you know: the scale of its path; "
         "a motion that is known is not looked for again",
     )
-    what.add_argument("--forget", action="store_true", help="leave the camera as it was")
+    actions.add_argument("--forget", action="store_true", help="leave the camera as it was")
     command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"
     )
@@ -283,7 +283,7 @@ def _tolerance(text: str) -> Tolerance:
     from keypose.tracker.errors import ReductionError
     from keypose.tracker.reduction.result import Tolerance
 
-    given = {"metres": math.inf, "pixels": math.inf}
+    limits = {"metres": math.inf, "pixels": math.inf}
     for word in text.split(","):
         match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(m|cm|mm|px)\s*", word)
         if match is None:
@@ -292,11 +292,11 @@ def _tolerance(text: str) -> Tolerance:
             )
         number, unit = float(match[1]), match[2]
         if unit == "px":
-            given["pixels"] = number
+            limits["pixels"] = number
         else:
-            given["metres"] = number * _METRES[unit]
+            limits["metres"] = number * _METRES[unit]
     try:
-        return Tolerance(**given)
+        return Tolerance(**limits)
     except ReductionError as error:
         raise argparse.ArgumentTypeError(str(error).rstrip(".")) from None
 
@@ -445,12 +445,12 @@ def _add_export(command: argparse.ArgumentParser, *, but: Container[str] = ()) -
     add_order(command, MotionOrder, but=but)
 
 
-def _add_workers(command: argparse.ArgumentParser, what: str) -> None:
+def _add_workers(command: argparse.ArgumentParser, subject: str) -> None:
     command.add_argument(
         "--workers",
         metavar="N",
         type=typed(Whole(least=1, most=MOST_WORKERS)),
-        help=f"{what} at the same time, one process each; default: one per core, with 2 GB of "
+        help=f"{subject} at the same time, one process each; default: one per core, with 2 GB of "
         "memory each",
     )
 

@@ -86,10 +86,10 @@ class ClusterPool:
         self._require_scheduler()
         return WorkerDied("The cluster lost it")
 
-    def _ask(self, what: str, *given: Any, **more: Any) -> Any:
+    def _ask(self, method: str, *arguments: Any, **more: Any) -> Any:
         self._require_scheduler()
         try:
-            return getattr(self._client, what)(*given, **more)
+            return getattr(self._client, method)(*arguments, **more)
         except (OSError, RuntimeError, ValueError) as error:
             raise self._scheduler_gone() from error
 

@@ -119,8 +119,10 @@ def read_table(path: Path) -> list[FilmToDraft]:
         raise FormatError(f"{path.name} has no column {FILM!r}: name the columns in its first row.")
     unknown = [name for name in columns if name not in (FILM, NAME, *options)]
     if unknown:
-        known = ", ".join([FILM, NAME, *options])
-        raise FormatError(f"{path.name} has a column {unknown[0][:40]!r}; known are {known}.")
+        columns_read = ", ".join([FILM, NAME, *options])
+        raise FormatError(
+            f"{path.name} has a column {unknown[0][:40]!r}; known are {columns_read}."
+        )
     if len(set(columns)) < len(columns):
         raise FormatError(f"{path.name} has a column twice.")
     films = []

@@ -19,12 +19,14 @@ def find_sessions(paths: Sequence[Path]) -> tuple[Path, ...]:
     and links not followed; what was set aside of a session is none of its own.
     SessionError when a path is not there or a folder has none.
     """
-    found: dict[str, Path] = {}
+    session_of_path: dict[str, Path] = {}
     for path in paths:
         for session in _meant(path):
             real = os.path.realpath(session)
-            found.setdefault(real, Path(real) if session.is_symlink() else session.absolute())
-    return tuple(found.values())
+            session_of_path.setdefault(
+                real, Path(real) if session.is_symlink() else session.absolute()
+            )
+    return tuple(session_of_path.values())
 
 
 def common_folder(sessions: Sequence[Path]) -> Path:

@@ -102,13 +102,13 @@ def _lines(path: Path) -> list[dict[str, Any]]:
     lines = []
     for line in content.splitlines():
         try:
-            found = json.loads(line)
+            entry = json.loads(line)
         except ValueError:
             continue
-        if isinstance(found, dict) and found:
-            lines.append(found)
+        if isinstance(entry, dict) and entry:
+            lines.append(entry)
     return lines
 
 
-def _named(what: str, lines: list[dict[str, Any]]) -> frozenset[str]:
-    return frozenset(line[what] for line in lines if isinstance(line.get(what), str))
+def _named(key: str, lines: list[dict[str, Any]]) -> frozenset[str]:
+    return frozenset(line[key] for line in lines if isinstance(line.get(key), str))

@@ -92,7 +92,7 @@ def export_of(
 
 def places(export: Export) -> list[Path]:
     """The files that there will be."""
-    names = [name for one in FORMATS if one in export.formats for name in FORMATS[one].names]
+    names = [name for kind in FORMATS if kind in export.formats for name in FORMATS[kind].names]
     return [export.folder / f"{export.prefix}{name}" for name in names]
 
 
@@ -185,13 +185,13 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
         save_session(session, task.session)
         asked = with_settings(session, task.order)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
-    found = _Found([])
+    outcome = _Found([])
     if wanted:
         with open_video_of(session, task.session) as video:
             asked = with_repeats(asked, video, wanted[0][0], wanted[-1][1])
-            found = _track(task, asked, video, wanted, send, stop)
-        save_found(asked, task.session, found.tracks)
-    return _summary(task, found)
+            outcome = _track(task, asked, video, wanted, send, stop)
+        save_found(asked, task.session, outcome.tracks)
+    return _summary(task, outcome)
 
 
 def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summary:
@@ -284,22 +284,22 @@ def _track(
     from keypose.tracker.warm import needed, warm
 
     warm(needed(asked))
-    found, percent = _Found([]), 0
+    outcome, percent = _Found([]), 0
     try:
         for report in rerun(asked, task.session, video, wanted, workers=task.threads, stop=stop):
             if isinstance(report, Finished):
-                found.cancelled = report.cancelled
+                outcome.cancelled = report.cancelled
             if not isinstance(report, Progress):
                 continue
             before, percent = percent, int(100 * report.share)
             if isinstance(event := found_in(report), SegmentFinished):
-                found.tracks.append(event.result)
+                outcome.tracks.append(event.result)
                 send(Step(percent, _segment_json(event.result)))
             elif percent != before:
                 send(Step(percent))
     except KeyposeError as error:
-        found.error = error
-    return found
+        outcome.error = error
+    return outcome
 
 
 def _segment_json(track: SegmentResult) -> dict[str, object]:
@@ -311,12 +311,12 @@ def _segment_json(track: SegmentResult) -> dict[str, object]:
     }
 
 
-def _summary(task: Task, found: _Found) -> Summary:
+def _summary(task: Task, outcome: _Found) -> Summary:
     """Summarise the session as it stands on disk now."""
     now = load_session(task.session)
     results = now.subject.results
     segments = () if results is None else results.segments
-    fresh = {track.span for track in found.tracks}
+    fresh = {track.span for track in outcome.tracks}
     summaries = tuple(
         SegmentSummary(
             s.first_frame,
@@ -330,11 +330,11 @@ def _summary(task: Task, found: _Found) -> Summary:
     )
     tracks = None if results is None else results.tracks
     name = str(task.session)
-    if found.error is not None:
-        return Summary(name, "failed", str(found.error), tracks=tracks, segments=summaries)
-    if found.cancelled:
+    if outcome.error is not None:
+        return Summary(name, "failed", str(outcome.error), tracks=tracks, segments=summaries)
+    if outcome.cancelled:
         return Summary(name, "interrupted", tracks=tracks, segments=summaries)
-    state: State = "tracked" if found.tracks else "kept"
+    state: State = "tracked" if outcome.tracks else "kept"
     edited = bool(_missing(with_settings(now, task.order), task.session))
     words = "Edited while it was tracked: some segments are out of date again." if edited else ""
     return Summary(name, state, words, tracks=tracks, segments=summaries)

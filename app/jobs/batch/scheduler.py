@@ -87,17 +87,17 @@ class _Scheduler:
         return None
 
     def receive(self, news: News, stop: Event) -> Iterator[TaskEvent]:
-        number, what = news
-        if isinstance(what, Step):
-            yield TaskProgressed(number, what)
+        number, content = news
+        if isinstance(content, Step):
+            yield TaskProgressed(number, content)
             return
         self.at_work.pop(number, None)
-        if isinstance(what, Summary):
-            yield TaskFinished(number, what)
+        if isinstance(content, Summary):
+            yield TaskFinished(number, content)
         elif self.tries[number] < TRIES and not stop.is_set():
             self.waiting.insert(0, number)
         else:
-            yield TaskFinished(number, self._ended_summary(number, what, stop))
+            yield TaskFinished(number, self._ended_summary(number, content, stop))
 
     def _ended_summary(self, number: int, died: WorkerDied, stop: Event) -> Summary:
         name = str(self.tasks[number].session)

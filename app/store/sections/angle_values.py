@@ -73,11 +73,11 @@ def _expected_errors(edit: EditorState, joints: Sequence[Joint]) -> dict[Joint, 
     pieces = [(first, errors) for first, errors in judged if errors is not None]
     if not pieces:
         return None
-    found: dict[Joint, Array] = {}
+    errors_of_joint: dict[Joint, Array] = {}
     for joint in joints:
         rows = [(first, errors[joint]) for first, errors in pieces]
-        found[joint] = np.degrees(side_by_side(rows, edit.frame_count, (3,)))
-    return found
+        errors_of_joint[joint] = np.degrees(side_by_side(rows, edit.frame_count, (3,)))
+    return errors_of_joint
 
 
 def name_of(joint: Joint) -> str:

@@ -27,24 +27,26 @@ def body(app_state: AppState) -> Json:
     doc = doc_of(app_state)
     if doc is None:
         return None
-    given = doc.subject.body
+    present_body = doc.subject.body
     return {
-        "name": given.name,
-        "preset": given.name if given.name in PRESETS else None,
-        "edited": given.name in PRESETS
-        and without_clavicles(given).parts != preset(given.name).parts,
-        "clavicles": _clavicles(given),
-        "height_cm": round(100 * height(given), 2),
-        "is_persons": is_persons(given),
-        "dof_count": sum(len(part.tracked) for part in given.parts),
-        "dof_total": 3 + 3 * len(given.parts),
+        "name": present_body.name,
+        "preset": present_body.name if present_body.name in PRESETS else None,
+        "edited": present_body.name in PRESETS
+        and without_clavicles(present_body).parts != preset(present_body.name).parts,
+        "clavicles": _clavicles(present_body),
+        "height_cm": round(100 * height(present_body), 2),
+        "is_persons": is_persons(present_body),
+        "dof_count": sum(len(part.tracked) for part in present_body.parts),
+        "dof_total": 3 + 3 * len(present_body.parts),
         "presets": [
             {"name": name, "label": part_label(name), "is_object": name in OBJECTS}
             for name in PRESETS
         ],
         "shapes": [{"kind": kind, "label": part_label(kind)} for kind in KINDS],
-        "lanes": [{"label": label, "parts": list(parts)} for label, parts in lane_groups(given)],
-        "parts": [_part(given, part) for part in given.parts],
+        "lanes": [
+            {"label": label, "parts": list(parts)} for label, parts in lane_groups(present_body)
+        ],
+        "parts": [_part(present_body, part) for part in present_body.parts],
         "handles": [
             {
                 "name": handle.name,
@@ -54,27 +56,29 @@ def body(app_state: AppState) -> Json:
                 "label": handle.label,
                 "limb": list(handle.limb),
             }
-            for handle in handles(given)
+            for handle in handles(present_body)
         ],
     }
 
 
-def _clavicles(given: Body) -> bool | None:
+def _clavicles(present_body: Body) -> bool | None:
     """Whether it has them; None where it cannot."""
-    return True if has_clavicles(given) else False if can_have_clavicles(given) else None
+    return (
+        True if has_clavicles(present_body) else False if can_have_clavicles(present_body) else None
+    )
 
 
-def _part(given: Body, part: Part) -> Json:
-    mirror = given.mirror_of(part.name)
+def _part(present_body: Body, part: Part) -> Json:
+    mirror = present_body.mirror_of(part.name)
     return {
         "name": part.name,
         "label": part_label(part.name),
         "short": short_label(part.name),
         "parent": part.parent,
-        "side": side_of(given, part.name),
+        "side": side_of(present_body, part.name),
         "mirror": None if mirror == part.name else mirror,
         "tracked": list(part.tracked),
-        "words": axis_labels(given, part.name),
+        "words": axis_labels(present_body, part.name),
         "limits": {axis: part.limits_deg.get(axis) for axis in ("x", "y", "z")},
         "joint_cm": [round(100 * value, 2) for value in part.joint_m],
         "landmarks": list(part.landmarks),
@@ -90,7 +94,7 @@ def _part(given: Body, part: Part) -> Json:
                 "max": size.max,
                 "at_cm": [round(100 * v, 2) for v in size.at_m],
             }
-            for size in part_sizes(given, part.name)
+            for size in part_sizes(present_body, part.name)
         ],
     }
 
@@ -101,9 +105,9 @@ def _corners_cm(part: Part) -> Json:
     return [] if corners is None else (100 * corners).round(3).tolist()
 
 
-def side_of(given: Body, name: str) -> str:
+def side_of(present_body: Body, name: str) -> str:
     """L, R or C, as the colours go: the first of a mirror pair is the left one."""
-    for left, right in given.mirror_pairs:
+    for left, right in present_body.mirror_pairs:
         if name in (left, right):
             return "L" if name == left else "R"
     return "C"
@@ -218,12 +222,12 @@ def curve(app_state: AppState) -> Json:
 def trail(app_state: AppState) -> Json:
     """The way of the selected part's far end around the present frame."""
     edit = app_state.edit
-    found = end_trail(edit) if edit is not None and edit.display.trail else None
-    if found is None or len(found.frames) < 2:
+    end_path = end_trail(edit) if edit is not None and edit.display.trail else None
+    if end_path is None or len(end_path.frames) < 2:
         return None
-    places = found.p_camera.round(5).tolist()
-    points = [[frame, *p] for frame, p in zip(found.frames, places, strict=True)]
-    return {"part": found.part, "points": points, "keys": list(found.keys)}
+    places = end_path.p_camera.round(5).tolist()
+    points = [[frame, *p] for frame, p in zip(end_path.frames, places, strict=True)]
+    return {"part": end_path.part, "points": points, "keys": list(end_path.keys)}
 
 
 def poses(app_state: AppState) -> Json:

@@ -87,8 +87,8 @@ def background_points(app_state: AppState) -> Json:
     points = _points(edit.doc.view.camera_motion)
     if points is None:
         return None
-    seen, good = points.of(edit.frame)
-    uv = seen.astype(np.float64)
+    pixels, good = points.of(edit.frame)
+    uv = pixels.astype(np.float64)
     camera = edit.doc.view.camera
     if camera.is_distorted:
         ideal = camera.without_distortion()

@@ -126,18 +126,18 @@ def keypoints(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None or edit.doc.view.surface is not None:
         return None
-    found = app_state.keypoints.at(edit.frame)
+    detected = app_state.keypoints.at(edit.frame)
     said = {c.joint: c for c in edit.doc.view.keypoint_corrections if c.frame == edit.frame}
-    if found is None and not said:
+    if detected is None and not said:
         return None
     on_body = points_on_body(edit.doc.subject.body, SHOWN).indices
     names = [SHOWN[k] for k in on_body]
-    at = {name: k for k, name in enumerate(found.names)} if found is not None else {}
+    at = {name: k for k, name in enumerate(detected.names)} if detected is not None else {}
     points = []
     for name in names:
         uv, sure = np.full(2, np.nan), 0.0
-        if found is not None and name in at:
-            uv, sure = found.uv[0, at[name]], float(found.visibility[0, at[name]])
+        if detected is not None and name in at:
+            uv, sure = detected.uv[0, at[name]], float(detected.visibility[0, at[name]])
         points.append(_point(name, uv, sure, said.get(name), edit.camera))
     return {"frame": edit.frame, "points": [point for point in points if point is not None]}
 
@@ -166,10 +166,12 @@ def surface(app_state: AppState) -> Json:
     edit, surface_seen = app_state.edit, app_state.surface
     if edit is None or not edit.doc.evidence.has_surface:
         return None
-    given, model = surface_of(edit.doc), edit.doc.model_keyframe
+    session_surface, model = surface_of(edit.doc), edit.doc.model_keyframe
     return {
-        **given.model_dump(include={"units", "up", "fps", "weights", "distance", "binding"}),
-        "cameras": PurePath(given.cameras).name if given.cameras else None,
+        **session_surface.model_dump(
+            include={"units", "up", "fps", "weights", "distance", "binding"}
+        ),
+        "cameras": PurePath(session_surface.cameras).name if session_surface.cameras else None,
         "model_frame": None if model is None else model.frame,
         "problem": surface_seen.problem if surface_seen.frame == edit.frame else "",
         "unusable": app_state.unusable,
@@ -210,15 +212,25 @@ def surface_version(edit: EditorState) -> str:
     doc = edit.settled
     if not doc.evidence.has_surface:
         return ""
-    given, camera = surface_of(doc), doc.view.camera
-    made_of: list[object] = [given.units, given.up, given.p_camera_surface]
-    made_of += [given.cameras, given.cameras_fingerprint]
+    session_surface, camera = surface_of(doc), doc.view.camera
+    made_of: list[object] = [
+        session_surface.units,
+        session_surface.up,
+        session_surface.p_camera_surface,
+    ]
+    made_of += [session_surface.cameras, session_surface.cameras_fingerprint]
     made_of += [camera.fx, camera.fy, camera.cx, camera.cy]
     kind = edit.display.tint
     if kind in ("contact", "distance"):
         fitting = edit.results.fitting(doc)
         done = [track for track in fitting.values() if track.finished]
-        found = sorted(f"{t.key}{t.quality}{t.missing}" for t in done)
-        made_of += [given, doc.subject.keyframes, doc.subject.drafts, doc.subject.body, found]
+        result_keys = sorted(f"{t.key}{t.quality}{t.missing}" for t in done)
+        made_of += [
+            session_surface,
+            doc.subject.keyframes,
+            doc.subject.drafts,
+            doc.subject.body,
+            result_keys,
+        ]
     made_of.append(kind)
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]

@@ -62,8 +62,8 @@ def _worst_parts(judged_segments: JudgedSegments, track: SegmentResult) -> list[
         ):
             row = problem.frame - track.first
         listed.append((float(errors[row, part]), part, row))
-    listed.sort(key=lambda one: -one[0])
-    return [_row(judged_segments, track, *one) for one in listed[:MOST]]
+    listed.sort(key=lambda entry: -entry[0])
+    return [_row(judged_segments, track, *entry) for entry in listed[:MOST]]
 
 
 def _row(
@@ -205,8 +205,8 @@ def lanes(app_state: AppState) -> Json:
     names = edit.settled.subject.body.names
     fitting = edit.results.fitting(edit.settled)
     table = observability(fitting, edit.frame_count, len(names))
-    known = np.asarray(np.isfinite(table).any(axis=0))
-    return {name: listed(table[:, k]) for k, name in enumerate(names) if known[k]}
+    has_values = np.asarray(np.isfinite(table).any(axis=0))
+    return {name: listed(table[:, k]) for k, name in enumerate(names) if has_values[k]}
 
 
 def job(app_state: AppState) -> Json:
@@ -238,27 +238,27 @@ def review(app_state: AppState) -> Json:
     if edit is None:
         return None
     doc = edit.settled
-    found = review_of(doc, edit.results)
+    reviewed_motion = review_of(doc, edit.results)
     return {
-        "places": [_place(doc, found, place) for place in found.places],
+        "places": [_place(doc, reviewed_motion, place) for place in reviewed_motion.places],
         "answered": [
             {"frame": reviewed.frame, "part": reviewed.part, "answer": reviewed.answer}
-            for reviewed in found.answered
+            for reviewed in reviewed_motion.answered
         ],
-        "goal": found.goal_px,
+        "goal": reviewed_motion.goal_px,
         "goals": list(GOALS_PX),
-        "right_px": _rounded(found.right_px),
-        "px": _rounded(found.px),
-        "cm": _rounded(found.cm),
-        "untracked": len(found.untracked),
+        "right_px": _rounded(reviewed_motion.right_px),
+        "px": _rounded(reviewed_motion.px),
+        "cm": _rounded(reviewed_motion.cm),
+        "untracked": len(reviewed_motion.untracked),
     }
 
 
-def _place(doc: Session, found: Review, place: Place) -> Json:
+def _place(doc: Session, reviewed_motion: Review, place: Place) -> Json:
     """`end` is in the camera frame, metres; `at` and `box` pixels of the picture as it is shown."""
     camera = doc.film_camera.at(place.frame).without_distortion()
     body = camera.project(place.body_m)
-    crop = max(CROP_SHARE * found.body_m * place.px_per_m, LEAST_CROP_PX)
+    crop = max(CROP_SHARE * reviewed_motion.body_m * place.px_per_m, LEAST_CROP_PX)
     return {
         "id": place.id,
         "kind": "draft" if isinstance(place.why, DraftPlace) else "tracked",

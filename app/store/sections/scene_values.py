@@ -78,14 +78,14 @@ def camera(app_state: AppState) -> Json:
     if doc is None:
         return None
     frame = app_state.edit.frame if app_state.edit else 0
-    given, up = doc.film_camera.at(frame), up_of(doc, frame)
-    longer = max(given.width / given.fx, given.height / given.fy)
+    camera_here, up = doc.film_camera.at(frame), up_of(doc, frame)
+    longer = max(camera_here.width / camera_here.fx, camera_here.height / camera_here.fy)
     tilt, roll = tilt_and_roll(up)
-    horizon = horizon_of(given, up)
+    horizon = horizon_of(camera_here, up)
     return {
-        **given.model_dump(),
+        **camera_here.model_dump(),
         "fov_deg": math.degrees(2 * math.atan(longer / 2)),
-        "focal_mm": given.focal_mm,
+        "focal_mm": camera_here.focal_mm,
         "lens_source": doc.view.lens_source,
         "lens_is_guess": doc.view.lens_is_guess,
         "depth_share": doc.view.depth_share,
@@ -139,10 +139,10 @@ def _up_is_sure(doc: Session) -> bool:
 def found_up(app_state: AppState) -> Json:
     """What was found of up, until something else is edited: the upright lines in the
     picture, and where ways disagree what each shows, to choose from."""
-    found = app_state.up
-    if found is None or found.estimate is None:
+    up = app_state.up
+    if up is None or up.estimate is None:
         return None
-    estimate = found.estimate
+    estimate = up.estimate
     rivals = (
         [estimate.used[0], *(disagreement.evidence for disagreement in estimate.apart)]
         if estimate.apart
@@ -150,8 +150,8 @@ def found_up(app_state: AppState) -> Json:
     )
     return {
         "words": up_words(estimate),
-        "frame": found.frame,
-        "lines": [] if found.lines is None else found.lines.ends.round(1).tolist(),
+        "frame": up.frame,
+        "lines": [] if up.lines is None else up.lines.ends.round(1).tolist(),
         "choices": [
             {
                 "label": choice_words(up_evidence),

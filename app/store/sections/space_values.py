@@ -36,11 +36,11 @@ def feet(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return None
-    found = feet_paths(edit)
+    paths = feet_paths(edit)
     body = edit.settled.subject.body
     return {
-        "floor_m": round(found.floor_m, 4),
-        "frames": found.frames.tolist(),
+        "floor_m": round(paths.floor_m, 4),
+        "frames": paths.frames.tolist(),
         "paths": [
             {
                 "part": part,
@@ -48,7 +48,7 @@ def feet(app_state: AppState) -> Json:
                 "side": side_of(body, part),
                 "points": path.round(4).tolist(),
             }
-            for part, path in found.paths.items()
+            for part, path in paths.paths.items()
         ],
     }
 
@@ -63,14 +63,14 @@ def ghosts(app_state: AppState) -> Json:
         or edit.doc.subject.body is not edit.settled.subject.body
     ):
         return []
-    found = []
+    shown_poses = []
     for frame, pose in shown.ghosts(edit):
         Ts = shown.ghost_transforms(edit, frame, pose)
         rows = Ts[:, :3].reshape(-1, 12).round(4).tolist()
-        found.append(
+        shown_poses.append(
             {"frame": frame, "T": dict(zip(edit.doc.subject.body.names, rows, strict=True))}
         )
-    return found
+    return shown_poses
 
 
 def solids(app_state: AppState) -> Json:
@@ -136,13 +136,13 @@ def still(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return []
-    found = []
+    ranges = []
     for pin in edit.settled.subject.pins:
         middle = (pin.first_frame + pin.last_frame) // 2
         reach = (pin.last_frame - pin.first_frame) // 2 + AROUND
-        known = still_range(edit, pin, middle, reach)
-        found.append(None if known is None else list(known))
-    return found
+        frames = still_range(edit, pin, middle, reach)
+        ranges.append(None if frames is None else list(frames))
+    return ranges
 
 
 def proposed_pins(app_state: AppState) -> Json:
@@ -192,14 +192,14 @@ def pin_label(pin: Pin) -> str:
 
 def _found(edit: EditorState, pin: Pin) -> dict[str, Json]:
     """What the solve found: how far it slides, and which keyframe is against it."""
-    found = pin_result(edit, pin)
-    if found is None:
+    result = pin_result(edit, pin)
+    if result is None:
         return {"slides_cm": None, "keyframe": None, "problem": ""}
-    cm = 100 * found.off_m
+    cm = 100 * result.off_m
     text = number_text(cm, 0 if cm >= 1 else 1)
-    is_wrong = found.keyframe is not None
-    problem = f"Keyframe {found.keyframe} is {text} cm off the pin." if is_wrong else ""
-    return {"slides_cm": round(cm, 1), "keyframe": found.keyframe, "problem": problem}
+    is_wrong = result.keyframe is not None
+    problem = f"Keyframe {result.keyframe} is {text} cm off the pin." if is_wrong else ""
+    return {"slides_cm": round(cm, 1), "keyframe": result.keyframe, "problem": problem}
 
 
 def _sole(edit: EditorState, pin: Pin) -> list[list[float]]:
@@ -209,8 +209,8 @@ def _sole(edit: EditorState, pin: Pin) -> list[list[float]]:
     middle = (pin.first_frame + pin.last_frame) // 2
     T_part = edit.doc.film_camera.parts_to_world(part_at(edit, pin.part, middle)[None], [middle])[0]
     outline = _sole_in_part(edit.skeleton, pin.part) @ T_part[:3, :3].T + T_part[:3, 3]
-    found: list[list[float]] = outline.round(4).tolist()
-    return found
+    points: list[list[float]] = outline.round(4).tolist()
+    return points
 
 
 def _sole_in_part(skeleton: Skeleton, part: str) -> Array:
@@ -264,7 +264,9 @@ def space(app_state: AppState) -> Json:
     weighted: list[tuple[float, Json]] = []
     judged_segments = JudgedSegments.of(edit.settled, edit.results)
     for stretch in edit.results.space(edit.settled):
-        waiting = (found for found in stretch.findings if not _is_accepted(judged_segments, found))
+        waiting = (
+            finding for finding in stretch.findings if not _is_accepted(judged_segments, finding)
+        )
         weighted += [(_weight(space_finding), _finding(space_finding)) for space_finding in waiting]
         for pin in stretch.pins:
             if pin.keyframe is not None:
@@ -280,7 +282,7 @@ def space(app_state: AppState) -> Json:
                     "cm": round(100 * pin.off_m, 1),
                 }
                 weighted.append((_WEIGHTS["slides"] * pin.off_m, row))
-    rows = [row for _, row in sorted(weighted, key=lambda one: -one[0])]
+    rows = [row for _, row in sorted(weighted, key=lambda pair: -pair[0])]
     is_known = edit.results.space(edit.settled)
     share = edit.settled.view.depth_share
     rise_m = uneven_feet_m(edit) if is_known else None

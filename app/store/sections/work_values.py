@@ -62,10 +62,10 @@ def settings(app_state: AppState) -> Json:
     doc = doc_of(app_state)
     track_settings = doc.settings if doc else TrackSettings()
     source = doc.subject.first_motion.source if doc and doc.subject.first_motion else None
-    found = doc.view.video.stands_still if doc else None
+    stands_still = doc.view.video.stands_still if doc else None
     return {
         **track_settings.model_dump(include={"method", "quality", "static_camera"}),
-        "found_still": found,
+        "found_still": stands_still,
         "imported": source,
         "smooth": bool(track_settings.smooth),
         "cues": list(track_settings.cues_used),
@@ -74,8 +74,8 @@ def settings(app_state: AppState) -> Json:
 
 def saved(app_state: AppState) -> Json:
     """Whether the session is on disk."""
-    given = app_state.saved
-    return {"state": given.state, "at": given.at_s, "words": given.words}
+    state = app_state.saved
+    return {"state": state.state, "at": state.at_s, "words": state.words}
 
 
 def undo(app_state: AppState) -> Json:
@@ -108,31 +108,31 @@ def fit(app_state: AppState) -> Json:
 
 def sizes_preview(app_state: AppState) -> Json:
     """New sizes that wait to be applied or discarded."""
-    given, edit = app_state.preview, app_state.edit
-    if given is None or edit is None:
+    preview, edit = app_state.preview, app_state.edit
+    if preview is None or edit is None:
         return None
-    chosen = given.proposal
-    before, after = (100 * height(body) for body in (given.before.subject.body, chosen.body))
-    poses = given.found.with_poses
+    chosen = preview.proposal
+    before, after = (100 * height(body) for body in (preview.before.subject.body, chosen.body))
+    poses = preview.found.with_poses
     return {
-        "words": given.found.message,
-        "keyframes": len(given.before.subject.keyframes),
-        "error": {"before": given.found.error_px, "after": chosen.error_px},
+        "words": preview.found.message,
+        "keyframes": len(preview.before.subject.keyframes),
+        "error": {"before": preview.found.error_px, "after": chosen.error_px},
         "height": {"before": before, "after": after},
         "changes": [
-            {"part": part_label(part), "what": what, "pair": _has_sides(given.before, part)}
+            {"part": part_label(part), "what": kind, "pair": _has_sides(preview.before, part)}
             | {"before": was, "after": is_now}
-            for part, what, was, is_now in chosen.changes
+            for part, kind, was, is_now in chosen.changes
         ],
-        "unseen": [part_label(part) for part in given.found.unseen],
-        "poses": given.poses,
-        "choice": given.alone is not None and given.with_poses is not None,
+        "unseen": [part_label(part) for part in preview.found.unseen],
+        "poses": preview.poses,
+        "choice": preview.alone is not None and preview.with_poses is not None,
         "turns": [
             {"frame": frame, "parts": [{"part": part_label(p), "deg": deg} for p, deg in turned]}
             for frame, turned in (poses.turns.items() if poses else ())
         ],
-        "outdated": len(edit.results.fitting(given.before)),
-        "looking_back": given.looking_back,
+        "outdated": len(edit.results.fitting(preview.before)),
+        "looking_back": preview.looking_back,
     }
 
 
@@ -141,7 +141,7 @@ def reduction(app_state: AppState) -> Json:
     reduction_preview, edit = app_state.reduction, app_state.edit
     if reduction_preview is None or edit is None:
         return None
-    asked, motion, known = (
+    asked, motion, result = (
         reduction_preview.asked,
         reduction_preview.found.motion,
         reduction_preview.reduction,
@@ -151,7 +151,7 @@ def reduction(app_state: AppState) -> Json:
         if reduction_preview.found.parts is None
         else edit.doc.subject.part_keyframes
     )
-    frames = () if known is None else known.frames
+    frames = () if result is None else result.frames
     own = {keyframe.frame for keyframe in posed}
     return {
         "first": motion.first_frame,
@@ -167,10 +167,10 @@ def reduction(app_state: AppState) -> Json:
         "busy": reduction_preview.busy,
         "frames": list(frames),
         "kept": len(own.intersection(frames)),
-        "every": 0.0 if known is None else known.frames_per_keyframe,
-        "off_cm": _finite(None if known is None else 100 * known.worst_m),
-        "off_px": _finite(None if known is None else known.worst_px),
-        "gaps": 0 if known is None else len(known.misses) - known.known_count,
+        "every": 0.0 if result is None else result.frames_per_keyframe,
+        "off_cm": _finite(None if result is None else 100 * result.worst_m),
+        "off_px": _finite(None if result is None else result.worst_px),
+        "gaps": 0 if result is None else len(result.misses) - result.known_count,
     }
 
 
@@ -247,7 +247,7 @@ def people(app_state: AppState) -> Json:
 
 def guide(app_state: AppState) -> Json:
     """The first pose's steps."""
-    given = app_state.guide
+    first_pose = app_state.guide
     steps = ("hips", "height", "facing", "limbs", "depth", "key")
-    first = given.first and "key" not in given.done
-    return {"first": first, "done": {step: step in given.done for step in steps}}
+    first = first_pose.first and "key" not in first_pose.done
+    return {"first": first, "done": {step: step in first_pose.done for step in steps}}

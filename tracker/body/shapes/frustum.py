@@ -43,11 +43,11 @@ class Frustum(RoundSolid):
 
     def sizes(self) -> tuple[ShapeSize, ...]:
         length = ShapeSize("length", self.length_m, (0.0, self.end_m, 0.0))
-        given = (("start", self.start_m, *self.ends[0]), ("end", self.end_m, *self.ends[1]))
+        ends = (("start", self.start_m, *self.ends[0]), ("end", self.end_m, *self.ends[1]))
         if all(x == z for x, z in self.ends):
-            return (length, *(ShapeSize(f"{n}_radius", x, (0.0, y, 0.0)) for n, y, x, _ in given))
+            return (length, *(ShapeSize(f"{n}_radius", x, (0.0, y, 0.0)) for n, y, x, _ in ends))
         shape_sizes = [length]
-        for name, y, x, z in given:
+        for name, y, x, z in ends:
             shape_sizes.append(ShapeSize(f"{name}_width", 2 * x, (x, y, 0.0)))
             shape_sizes.append(ShapeSize(f"{name}_depth", 2 * z, (0.0, y, -z)))
         return tuple(shape_sizes)
@@ -55,10 +55,10 @@ class Frustum(RoundSolid):
     def with_size(self, key: str, metres: float) -> Self:
         if key == "length":
             return self.longer(metres / self.length_m)
-        end, what = key.split("_")
+        end, dimension = key.split("_")
         x, z = self.start_radii_m if end == "start" else self.end_radii_m
         half = metres / 2
-        new = {"radius": (metres, metres), "width": (half, z), "depth": (x, half)}[what]
+        new = {"radius": (metres, metres), "width": (half, z), "depth": (x, half)}[dimension]
         return self.model_copy(update={f"{end}_radii_m": new})
 
     def scaled(self, along: float, across: float) -> Self:

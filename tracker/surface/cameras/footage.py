@@ -111,13 +111,13 @@ class _CameraVideo:
 class Footage:
     """The opened images or silhouettes of a rig, beside its views. Close it, or use `with`."""
 
-    def __init__(self, rig: Rig, what: What, p_camera_surface: Array) -> None:
+    def __init__(self, rig: Rig, kind: What, p_camera_surface: Array) -> None:
         """SurfaceError where fewer than two cameras have any, or they do not fit together."""
-        self._what = what
+        self._what = kind
         self._open = ExitStack()
         try:
             self._taken = self._open_videos(rig, p_camera_surface)
-            self.frame_count = _common_count(self._taken, what)
+            self.frame_count = _common_count(self._taken, kind)
         except BaseException:
             self._open.close()
             raise
@@ -139,9 +139,9 @@ class Footage:
 
     def pictures(self, step: int) -> tuple[list[View], list[Grey]]:
         """The views whose picture of this step can be read, and these pictures (H, W)."""
-        found = self._each(step, _grey)
-        pictures = [taken.lens.rectify(grey) for taken, grey in found]
-        return [taken.view for taken, _ in found], pictures
+        taken_pictures = self._each(step, _grey)
+        pictures = [taken.lens.rectify(grey) for taken, grey in taken_pictures]
+        return [taken.view for taken, _ in taken_pictures], pictures
 
     def silhouettes(
         self, step: int, shown: Shown | None = None
@@ -150,8 +150,10 @@ class Footage:
 
         shown: makes them from images, of those views where it finds the thing.
         """
-        found = self._each(step, shown or _grey)
-        return [taken.view for taken, _ in found], [_silhouette(t.lens, g) for t, g in found]
+        taken_pictures = self._each(step, shown or _grey)
+        return [taken.view for taken, _ in taken_pictures], [
+            _silhouette(t.lens, g) for t, g in taken_pictures
+        ]
 
     def rate(self, mesh: SurfaceMesh, step: int) -> SurfaceMesh:
         """A mesh in the views' world, with its photo-consistency at a step."""
@@ -170,24 +172,24 @@ class Footage:
             ideal = replace(view, camera=view.camera.without_distortion())
             taken.append(_CameraVideo(ideal, view.camera, video))
         if len(taken) < 2:
-            other = "" if self._what == "images" else ", or --person finds a person in the images"
+            advice = "" if self._what == "images" else ", or --person finds a person in the images"
             raise SurfaceError(
                 f"Only {len(taken)} of the {len(rig.cameras)} cameras have {self._what}: at least "
-                f"two must name theirs{other}."
+                f"two must name theirs{advice}."
             )
         return taken
 
     def _each(self, step: int, shown: Shown) -> list[tuple[_CameraVideo, Grey]]:
         """What is made of the pictures of a step, where they can be read and it is found."""
-        found = []
+        taken_pictures = []
         for taken in self._taken:
             try:
                 grey = shown(taken.view.name, taken.video.frame(step))
             except MissingFrame:
                 continue
             if grey is not None:
-                found.append((taken, grey))
-        return found
+                taken_pictures.append((taken, grey))
+        return taken_pictures
 
 
 def _grey(_name: str, picture: NDArray[np.uint8]) -> Grey:
@@ -199,27 +201,27 @@ def _silhouette(lens: Camera, grey: Grey) -> Silhouette:
     if not lens.is_distorted:
         return Silhouette(mask > 0)
     # An ideal lens would show more than was taken: that is unknown.
-    known = lens.rectify(np.full_like(mask, 255)) > 254
-    return Silhouette((lens.rectify(mask) > 127) & known, known)
+    is_known = lens.rectify(np.full_like(mask, 255)) > 254
+    return Silhouette((lens.rectify(mask) > 127) & is_known, is_known)
 
 
-def _require_size(camera: RigCamera, video: Video, what: What) -> None:
+def _require_size(camera: RigCamera, video: Video, kind: What) -> None:
     width, height = video.info.width, video.info.height
     if (width, height) != (camera.width, camera.height):
         raise SurfaceError(
-            f"The {what} of camera {camera.name!r} have {width}×{height} pixels instead of the "
+            f"The {kind} of camera {camera.name!r} have {width}×{height} pixels instead of the "
             f"{camera.width}×{camera.height} it was calibrated for."
         )
 
 
-def _common_count(taken: Sequence[_CameraVideo], what: What) -> int:
+def _common_count(taken: Sequence[_CameraVideo], kind: What) -> int:
     counts: dict[int, str] = {}
     for camera_video in taken:
         counts.setdefault(camera_video.video.info.frame_count, camera_video.view.name)
     if len(counts) > 1:
-        (some, first), (others, second) = list(counts.items())[:2]
+        (first_count, first), (second_count, second) = list(counts.items())[:2]
         raise SurfaceError(
-            f"Camera {first!r} has {some} {what} and camera {second!r} {others}: every camera "
-            "needs one for every step."
+            f"Camera {first!r} has {first_count} {kind} and camera {second!r} "
+            f"{second_count}: every camera needs one for every step."
         )
     return next(iter(counts))

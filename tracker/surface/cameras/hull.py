@@ -92,7 +92,7 @@ def _quads(inside: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
     # moveaxis by one keeps the handedness of x, y, z for axes 0 and 2 and turns it for axis 1.
     if axis == 1:
         quads = quads[:, ::-1]
-    order = np.argsort([axis, *(other for other in range(3) if other != axis)])
+    order = np.argsort([axis, *(other_axis for other_axis in range(3) if other_axis != axis)])
     return np.asarray(quads[..., order])
 
 
@@ -190,14 +190,14 @@ def hull_mesh(field: Field, smoothing_voxels: float = SMOOTHING_VOXELS) -> Surfa
 
 def outline_distances(silhouette: Silhouette) -> NDArray[np.float32]:
     """(H, W) distance to the outline in pixels, inside positive; NaN where nothing is known."""
-    inside, known = silhouette.inside, silhouette.known
-    outside = ~inside if known is None else known & ~inside
+    inside, is_known = silhouette.inside, silhouette.known
+    outside = ~inside if is_known is None else is_known & ~inside
     far = float(sum(inside.shape))  # where there is nothing to be near to
     within = _distance_to(outside) if outside.any() else np.full(inside.shape, far, np.float32)
     beyond = _distance_to(inside) if inside.any() else np.full(inside.shape, far, np.float32)
     distances = np.where(inside, within - 0.5, 0.5 - beyond).astype(np.float32)
-    if known is not None:
-        distances[~known] = np.nan
+    if is_known is not None:
+        distances[~is_known] = np.nan
     return distances
 
 
@@ -271,10 +271,10 @@ def touching(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     for step in np.ndindex(3, 3, 3):
         wanted = np.ravel_multi_index(tuple((from_low + step - 1).T), shape)
         at = np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)
-        found = keys[order[at]] == wanted
-        links.append(np.stack([np.nonzero(found)[0], order[at[found]]]))
-    one, other = np.concatenate(links, axis=1)
-    graph = sparse.coo_array((np.ones(len(one), bool), (one, other)), shape=(len(cells),) * 2)
+        is_there = keys[order[at]] == wanted
+        links.append(np.stack([np.nonzero(is_there)[0], order[at[is_there]]]))
+    cell, neighbour = np.concatenate(links, axis=1)
+    graph = sparse.coo_array((np.ones(len(cell), bool), (cell, neighbour)), shape=(len(cells),) * 2)
     return np.asarray(sparse.csgraph.connected_components(graph, directed=False)[1], np.int64)
 
 

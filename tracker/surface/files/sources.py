@@ -40,7 +40,7 @@ def by_steps(paths: Sequence[Path]) -> tuple[Path | None, ...]:
     """
     paths = sorted(paths, key=lambda path: natural(path.name))
     numbers = [[int(digits[-18:]) for digits in re.findall(r"[0-9]+", p.stem)] for p in paths]
-    with_number = [k for k, found in enumerate(numbers) if found]
+    with_number = [k for k, numbers_in_name in enumerate(numbers) if numbers_in_name]
     if len(with_number) < max(2, len(paths) / 2):
         return tuple(paths)
     steps = _varying([numbers[k] for k in with_number])
@@ -64,11 +64,11 @@ def printable(path: Path) -> str:
 
 def _varying(numbers: list[list[int]]) -> list[int]:
     """The last number of each name that differs from name to name."""
-    if len({len(found) for found in numbers}) == 1:
+    if len({len(numbers_in_name) for numbers_in_name in numbers}) == 1:
         for column in reversed(list(zip(*numbers, strict=True))):
             if len(set(column)) > 1:
                 return list(column)
-    return [found[-1] for found in numbers]
+    return [numbers_in_name[-1] for numbers_in_name in numbers]
 
 
 def _stride(steps: list[int]) -> int:
@@ -79,9 +79,9 @@ def _stride(steps: list[int]) -> int:
 
 def _twice(paths: list[Path], steps: list[int]) -> SurfaceError:
     order = sorted(zip(steps, paths, strict=True), key=lambda pair: pair[0])
-    one, other = next((a, b) for (i, a), (j, b) in pairwise(order) if i == j)
+    first, second = next((a, b) for (i, a), (j, b) in pairwise(order) if i == j)
     return SurfaceError(
-        f'"{printable(one)}" and "{printable(other)}" have the same number: '
+        f'"{printable(first)}" and "{printable(second)}" have the same number: '
         "keep one mesh per time step in the folder."
     )
 
@@ -161,7 +161,7 @@ def _meshes_in(folder: Path) -> list[Path]:
     """The files that are meshes by their name; at least one."""
     try:
         # Hidden ones are what a file manager leaves beside a file.
-        found = [
+        meshes = [
             entry
             for entry in folder.iterdir()
             if entry.suffix.lower() in SUFFIXES
@@ -172,12 +172,12 @@ def _meshes_in(folder: Path) -> list[Path]:
         raise SurfaceError(
             f'The folder "{printable(folder)}" may not be read by you: change its permissions.'
         ) from error
-    if not found:
+    if not meshes:
         raise SurfaceError(
             f'The folder "{printable(folder)}" holds no meshes (PLY, OBJ, GLB): '
             "choose a folder with one mesh per time step."
         )
-    return found
+    return meshes
 
 
 def _ends(path: Path) -> bytes:

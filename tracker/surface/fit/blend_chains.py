@@ -75,24 +75,24 @@ def _join_partial(
     first, last = span
     keyed = {chain[0].frame: chain[0] for chain in chains}
     at = [{link.frame: link for link in chain} for chain in chains]
-    known: dict[int, Link] = {}
+    link_of_frame: dict[int, Link] = {}
     for frame in range(first, last + 1):
         there = [links[frame] for links in at if frame in links]
         if frame in keyed:
-            known[frame] = keyed[frame]
+            link_of_frame[frame] = keyed[frame]
         elif len(there) == 2:
-            known[frame] = blend_links(
+            link_of_frame[frame] = blend_links(
                 skeleton, there[0], there[1], (frame - first) / (last - first)
             )
         elif there:
-            known[frame] = there[0]
-    pose = known[min(known)].pose
+            link_of_frame[frame] = there[0]
+    pose = link_of_frame[min(link_of_frame)].pose
     links = []
     for frame in range(first, last + 1):
-        link = known.get(frame) or Link(frame, pose, None)
+        link = link_of_frame.get(frame) or Link(frame, pose, None)
         links.append(link)
         pose = link.pose
-    beyond = [frame for frame in range(first, last + 1) if frame not in known]
+    beyond = [frame for frame in range(first, last + 1) if frame not in link_of_frame]
     unreached = (beyond[0], beyond[-1]) if beyond else None
     return JoinedChains(tuple(fill_gaps(links)), None, unreached, missing)
 
@@ -152,10 +152,10 @@ def _blend(skeleton: Skeleton, first: Sequence[Link], second: Sequence[Link]) ->
     return [first[0], *inner[1:-1], second[-1]]
 
 
-def _joint_distances(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:
+def _joint_distances(skeleton: Skeleton, first: Sequence[Link], second: Sequence[Link]) -> Array:
     """(N, P) metres between the joints of two chains; near a keyframe the far one has no weight."""
-    joints = [_joints(skeleton, links) for links in (one, two)]
-    share = np.linspace(0.0, 1.0, len(one))
+    joints = [_joints(skeleton, links) for links in (first, second)]
+    share = np.linspace(0.0, 1.0, len(first))
     return np.asarray(
         np.linalg.norm(joints[0] - joints[1], axis=2) * (4 * share * (1 - share))[:, None]
     )

@@ -155,9 +155,9 @@ def _nearest(
     reach: float,
     options: Options,
 ) -> tuple[NDArray[np.int64], Array]:
-    found, square = np.empty(len(of.p), np.int64), np.empty(len(of.p))
-    nearest(of.p, of.normals, among.p, among.normals, grid, reach, options.agreement, found, square)
-    return found, square
+    index, square = np.empty(len(of.p), np.int64), np.empty(len(of.p))
+    nearest(of.p, of.normals, among.p, among.normals, grid, reach, options.agreement, index, square)
+    return index, square
 
 
 def _mutual_pair_weight(square: Array, partner: Array, near: float) -> Array:
@@ -190,11 +190,11 @@ def vertex_scalars(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kin
     """
     posed = model.posed(pose_transforms(model.skeleton, pose))
     grid, reach = grid_of(posed.p, 2 * model.spacing_m), REACH_SHARE * model.size_m
-    found, square = np.empty(len(mesh.vertices), np.int64), np.empty(len(mesh.vertices))
+    index, square = np.empty(len(mesh.vertices), np.int64), np.empty(len(mesh.vertices))
     nearest(
-        mesh.vertices, mesh.normals, posed.p, posed.normals, grid, reach, _ANY_NORMAL, found, square
+        mesh.vertices, mesh.normals, posed.p, posed.normals, grid, reach, _ANY_NORMAL, index, square
     )
     if kind == "distance":
         return np.sqrt(square)
     clear = clearance(model, posed, grid, Options(floor=False))
-    return np.where(found >= 0, clear[found], 1.0)
+    return np.where(index >= 0, clear[index], 1.0)

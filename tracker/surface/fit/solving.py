@@ -159,8 +159,8 @@ class PairDistances:
             A,
             b,
         )
-        found = normal_equations(A, b, self._twists(posed), energy, self.offset)
-        return Equations(found.information, found.slope, 0.5 * found.energy)
+        marginal = normal_equations(A, b, self._twists(posed), energy, self.offset)
+        return Equations(marginal.information, marginal.slope, 0.5 * marginal.energy)
 
     def _twists(self, posed: Posed) -> Array:
         """(G, 12, D): those of both parts of every group, for a change of each dof."""

@@ -264,30 +264,30 @@ def read_ply(file: BinaryIO) -> RawMesh:
     """The mesh of an open PLY file. Refused where it is none, cut short or too large."""
     header = read_header(file)
     rows = Rows(header, file.read())
-    found: dict[str, dict[str, Values]] = {}
+    columns_of: dict[str, dict[str, Values]] = {}
     elements = {element.name: element for element in header.elements}
     for element in header.elements:
-        found[element.name] = rows.read(element)
-        if "vertex" in found and "face" in found:
+        columns_of[element.name] = rows.read(element)
+        if "vertex" in columns_of and "face" in columns_of:
             break
-    vertices = _single(found["vertex"], ("x", "y", "z"), elements["vertex"])
-    corners, counts = _corners(elements["face"], found["face"])
+    vertices = _single(columns_of["vertex"], ("x", "y", "z"), elements["vertex"])
+    corners, counts = _corners(elements["face"], columns_of["face"])
     agreement = [name for name in CONSISTENCY if _is_single(elements["vertex"], name)]
     return RawMesh(
         np.stack(vertices, axis=1),
         fan(corners.astype(np.int64), counts, len(vertices[0])),
-        _single(found["vertex"], agreement[:1], elements["vertex"])[0] if agreement else None,
+        _single(columns_of["vertex"], agreement[:1], elements["vertex"])[0] if agreement else None,
     )
 
 
 def _single(
-    found: dict[str, Values], names: tuple[str, ...] | list[str], of: Element
+    columns: dict[str, Values], names: tuple[str, ...] | list[str], of: Element
 ) -> list[Array]:
     """Columns of single numbers."""
     for name in names:
         if not _is_single(of, name):
             raise MeshRefused(f"does not say where its vertices are ({name}): export it again.")
-    return [found[name][0].astype(np.float64) for name in names]
+    return [columns[name][0].astype(np.float64) for name in names]
 
 
 def _is_single(element: Element, name: str) -> bool:
@@ -295,10 +295,10 @@ def _is_single(element: Element, name: str) -> bool:
 
 
 def _corners(
-    element: Element, found: dict[str, Values]
+    element: Element, columns: dict[str, Values]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     lists = [c.name for c in element.columns if c.counted is not None]
     named = [name for name in lists if name in _CORNERS] or lists
     if not named:
         raise MeshRefused("has faces without corners: export it again.")
-    return found[named[0]]
+    return columns[named[0]]

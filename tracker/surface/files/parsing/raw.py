@@ -152,6 +152,6 @@ def _require_sensible_size(size: int) -> None:
 def _require_no_archive(file: BinaryIO) -> None:
     head = file.read(8)
     file.seek(0)
-    for start, what in _ARCHIVES.items():
+    for start, kind in _ARCHIVES.items():
         if head.startswith(start):
-            raise MeshRefused(f"is a {what}, not a mesh: unpack it.")
+            raise MeshRefused(f"is a {kind}, not a mesh: unpack it.")
