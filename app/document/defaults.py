@@ -123,5 +123,5 @@ def _sentence(error: ValidationError) -> str:
     first = error.errors(include_url=False)[0]
     if first["type"] != "extra_forbidden":
         return one_sentence(error)
-    known = ", ".join(Defaults.model_fields)
-    return f"there is no setting {first['loc'][0]!r}; the settings are {known}."
+    settings = ", ".join(Defaults.model_fields)
+    return f"there is no setting {first['loc'][0]!r}; the settings are {settings}."

@@ -48,8 +48,8 @@ class SessionLock:
         try:
             descriptor = open_own(folder / NAME, os.O_RDWR | os.O_CREAT, one_name=False)
         except NotRegular as error:
-            what = f"{NAME} in {str(folder)!r} is not a lock of Keypose, {error.strerror}"
-            raise NotALock(f"{what}: remove it if you trust this folder.") from None
+            problem = f"{NAME} in {str(folder)!r} is not a lock of Keypose, {error.strerror}"
+            raise NotALock(f"{problem}: remove it if you trust this folder.") from None
         except OSError:
             return cls(None)
         try:

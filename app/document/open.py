@@ -183,10 +183,10 @@ def _open(path: Path) -> OpenSession:
         session = session.changed({"video": session.view.video.model_copy(update={"path": place})})
         moment = of_film(moment, session)
         news = (*news, f"The {session.evidence.words.noun_was} found again at {place}.")
-    seen = with_present_fingerprints(session, path, video)
-    if seen is not session:
-        news = (*news, *_exported_again(session, seen))
-        session, moment = seen, of_film(moment, seen)
+    refreshed = with_present_fingerprints(session, path, video)
+    if refreshed is not session:
+        news = (*news, *_exported_again(session, refreshed))
+        session, moment = refreshed, of_film(moment, refreshed)
     timed = _timed(session, video)
     if timed is not session:  # a new keyframe's time would not stand between the others'
         session, follows = timed, False
@@ -204,8 +204,12 @@ def _open(path: Path) -> OpenSession:
 
 def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
     """What has changed beside a session, if it was known before."""
-    known, there = before.evidence.fingerprints, now.evidence.fingerprints
-    others = [what for what, was in known.items() if was not in ("", there[what])]
+    fingerprints_before, there = before.evidence.fingerprints, now.evidence.fingerprints
+    others = [
+        evidence_name
+        for evidence_name, was in fingerprints_before.items()
+        if was not in ("", there[evidence_name])
+    ]
     if not others:
         return ()
     return (
@@ -218,8 +222,8 @@ def _timed(doc: Session, video: Video) -> Session:
     return with_times(doc, doc.evidence.times_s(video.info.times_s))
 
 
-def _is_one_file(one: Path, other: Path) -> bool:
-    return os.path.realpath(one) == os.path.realpath(other)
+def _is_one_file(first: Path, second: Path) -> bool:
+    return os.path.realpath(first) == os.path.realpath(second)
 
 
 def _content(path: Path) -> bytes:

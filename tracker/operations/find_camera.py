@@ -118,21 +118,23 @@ def find_camera(
     how the camera moves.  report: receives the share that is done; what it raises ends the work.
     """
     film = _Film(session, video, poses, report)
-    given = session.view.camera
-    camera, found = given, film.turned(given, kind)
+    camera_before = session.view.camera
+    camera, camera_found = camera_before, film.turned(camera_before, kind)
     if session.view.lens_is_guess:
-        camera, found = _with_its_lens(
+        camera, camera_found = _with_its_lens(
             camera,
-            found,
-            lambda other: film.turned(other, kind),
+            camera_found,
+            lambda other_lens: film.turned(other_lens, kind),
             lambda camera_motion: camera_motion.kind == "turns",
         )
-    focal = None if found.focal is None else (found.focal.scale, found.focal.sigma)
-    findings = tuple(map(_finding, found.findings))
-    if found.path is None or found.kind == "static":
-        return FoundCamera("static", None, found.points, findings, focal)
+    focal = (
+        None if camera_found.focal is None else (camera_found.focal.scale, camera_found.focal.sigma)
+    )
+    findings = tuple(map(_finding, camera_found.findings))
+    if camera_found.path is None or camera_found.kind == "static":
+        return FoundCamera("static", None, camera_found.points, findings, focal)
     motion = None
-    if found.kind == "moves":
+    if camera_found.kind == "moves":
         moved = film.moved(camera)
         if session.view.lens_is_guess:
             camera, moved = _with_its_lens(
@@ -151,10 +153,12 @@ def find_camera(
             last = session.view.video.frame_count - 1
             findings += (CameraFinding(kind="no_parallax", first_frame=0, last_frame=last),)
     if motion is None:
-        pieces = tuple(CameraPiece(first_frame=each) for each in found.pieces)
-        motion = CameraMotion.of("turns", found.path, found.error_px, findings, pieces=pieces)
-    lens = None if camera is given else camera
-    return FoundCamera(motion.kind, motion, found.points, findings, focal, lens)
+        pieces = tuple(CameraPiece(first_frame=each) for each in camera_found.pieces)
+        motion = CameraMotion.of(
+            "turns", camera_found.path, camera_found.error_px, findings, pieces=pieces
+        )
+    lens = None if camera is camera_before else camera
+    return FoundCamera(motion.kind, motion, camera_found.points, findings, focal, lens)
 
 
 @dataclass(eq=False)
@@ -231,10 +235,10 @@ def _with_its_lens(
     return best
 
 
-def _error(found: Found) -> float:
+def _error(camera_found: Found) -> float:
     """The usual error of the background's points, pixels; infinite where there is none."""
-    known = found.error_px[np.isfinite(found.error_px)]
-    return float(np.median(known)) if known.size else np.inf
+    known_px = camera_found.error_px[np.isfinite(camera_found.error_px)]
+    return float(np.median(known_px)) if known_px.size else np.inf
 
 
 def _finding(finding: Finding) -> CameraFinding:

@@ -60,10 +60,13 @@ def estimated_up(
             if up_estimate is not None and up_estimate.used[0].sigma_rad < MOST_SIGMA_RAD
             else None
         )
-    known = UpEvidence.of(up_of(session), _set_rad(session), "set")
-    off = [Disagreement(one, apart_by(one, known.up, known.precision)) for one in evidence]
+    chosen = UpEvidence.of(up_of(session), _set_rad(session), "set")
+    off = [
+        Disagreement(evidence_apart, apart_by(evidence_apart, chosen.up, chosen.precision))
+        for evidence_apart in evidence
+    ]
     apart = tuple(disagreement for disagreement in off if disagreement.sigmas >= MOST_APART)
-    return UpEstimate(known.up, known.precision, (known,), apart)
+    return UpEstimate(chosen.up, chosen.precision, (chosen,), apart)
 
 
 def _set_rad(session: Session) -> float:
@@ -100,13 +103,13 @@ def evidence_of_lines(session: Session, lines: Mapping[int, UprightLines]) -> Up
     """What upright lines show, in the world, by the frame of a camera that moves in which they are
     seen. They are those of one place, and lean alike: many frames are no surer than one."""
     path = session.camera_path
-    some = [
+    line_evidence = [
         upright_lines.evidence
         if path is None
         else upright_lines.evidence.turned(path.Ts_world_camera[frame, :3, :3])
         for frame, upright_lines in lines.items()
     ]
-    up_estimate = combined(some)
+    up_estimate = combined(line_evidence)
     if up_estimate is None:
         return None
     return UpEvidence(up_estimate.up, up_estimate.precision / len(up_estimate.used), "lines")
@@ -121,13 +124,13 @@ def evidence_of_motion(
     if not motions or session.has_unknown_motion:
         return ()
     longest = max(motions.values(), key=len)
-    found = evidence_of_standing(
+    standing = evidence_of_standing(
         Skeleton.of(session.subject.body), longest, _soles(session, longest), lens_spread(session)
     )
     drafted = session.subject.drafted
     is_balanced = drafted is not None and drafted.up_camera is not None
     return tuple(
-        up_evidence for up_evidence in found if up_evidence.source != "person" or not is_balanced
+        up_evidence for up_evidence in standing if up_evidence.source != "person" or not is_balanced
     )
 
 
@@ -143,7 +146,7 @@ def _soles(session: Session, motion: Trajectory) -> list[Pin]:
     proposed = [
         pin
         for pin in stances(session, motion, None)
-        if pin.landmarks[1:] and not any(pin.overlaps(known) for known in pinned)
+        if pin.landmarks[1:] and not any(pin.overlaps(pinned_already) for pinned_already in pinned)
     ]
     return list(pins_apart([*pinned, *proposed]))
 

@@ -70,16 +70,16 @@ class Kept:
     def hanging(self) -> tuple[tuple[Pin, float], ...]:
         """Feet that stand still above the floor and are not pinned, and by how many metres."""
         session, up = self.session, up_of(self.session)
-        skeleton, found = Skeleton.of(session.subject.body), []
+        skeleton, hanging_feet = Skeleton.of(session.subject.body), []
         for run in self.runs:
             for pin in stances(session, run.in_world, up):
                 heights = foot_heights(skeleton, run.in_world, pin, up).min(axis=1)
                 high = float(np.median(heights)) - (session.world.floor_m or 0.0)
                 gone = [harm.pin for harm in self.released]
-                held = any(pin.overlaps(known) for known in (*session.subject.pins, *gone))
+                held = any(pin.overlaps(kept_pin) for kept_pin in (*session.subject.pins, *gone))
                 if high > AIR_M and not held:
-                    found.append((pin, high))
-        return tuple(found)
+                    hanging_feet.append((pin, high))
+        return tuple(hanging_feet)
 
 
 def without_harm(
@@ -133,7 +133,7 @@ def _floored(
     tilt, which gives way a little; and all stretches on that."""
     floored = [run for run in runs if any(pin.floor for pin in run.pins)]
     longest = max(floored, key=lambda run: run.span[1] - run.span[0])
-    found: dict[Span, Solved] = {}
+    solved_of_span: dict[Span, Solved] = {}
     for run in (longest, *(run for run in runs if run is not longest)):
         problem = asked(session, run).problem
         start = starts.get(run.span[0])
@@ -147,5 +147,5 @@ def _floored(
             assert solution.floor_m is not None
             floor_m = round(solution.floor_m, 4)
             session = session.changed({"floor_m": floor_m, "up_world": (x, y, z)})
-        found[run.span] = Solved(problem, solution, run.pins)
-    return session, tuple(found[span] for span in sorted(found))
+        solved_of_span[run.span] = Solved(problem, solution, run.pins)
+    return session, tuple(solved_of_span[span] for span in sorted(solved_of_span))

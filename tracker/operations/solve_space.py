@@ -77,11 +77,11 @@ def solved(
     session: Session, stretch: SegmentRun, cancelled: Callable[[], bool] | None = None
 ) -> SpaceResult:
     """The motion of a stretch in space; where it is cancelled that which was found until then."""
-    given = asked(session, stretch)
-    problem, moments, skeleton = given.problem, given.moments, given.problem.skeleton
+    asked_for = asked(session, stretch)
+    problem, moments, skeleton = asked_for.problem, asked_for.moments, asked_for.problem.skeleton
     exact = sorted(set(problem.keyframes) - set(problem.soft))
     space_solution = solve_space(problem, cancelled)
-    pins = tuple(_pin_results(stretch.pins, given.held, space_solution, exact))
+    pins = tuple(_pin_results(stretch.pins, asked_for.held, space_solution, exact))
     up = None if session.world.up_world is None else up_of(session)
     in_world = problem.in_world(space_solution.motion)
     rate = problem.frames_per_second
@@ -166,8 +166,8 @@ def frames_per_second(session: Session, motion: Trajectory) -> float:
 
 
 def _frames_per_second(keyframes: Sequence[Keyframe]) -> float:
-    keyframe, other = keyframes[0], keyframes[-1]
-    return (other.frame - keyframe.frame) / (other.time_s - keyframe.time_s)
+    keyframe, last = keyframes[0], keyframes[-1]
+    return (last.frame - keyframe.frame) / (last.time_s - keyframe.time_s)
 
 
 @dataclass(frozen=True, eq=False)

@@ -84,18 +84,18 @@ def stand(
         raise SessionError(_why_nothing_stands(session, fitting, motion))
     _require_scale(session, motions)
     session, up = _levelled(session, motions, up_evidence)
-    known = len(session.subject.pins)
+    pinned_before = len(session.subject.pins)
     pins, raised = _on_floor(session, _contacts(session, motions), motions)
     softened = tuple(
         k.frame for span in motions for k in keyframes_within(session, *span) if not k.soft
     )
     keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.subject.keyframes)
     stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": None})
-    kept = without_harm(stood, pins[known:], fitting, cancelled)
+    kept = without_harm(stood, pins[pinned_before:], fitting, cancelled)
     pins = kept.session.subject.pins
     return Standing(
         session=kept.session,
-        taken=len(pins) - known,
+        taken=len(pins) - pinned_before,
         on_floor=sum(pin.floor for pin in pins),
         softened=tuple(sorted(set(softened))),
         raised=tuple(pin for pin in raised if pin in pins),
@@ -114,7 +114,7 @@ def _why_nothing_stands(
 ) -> str:
     """Why no segment can be stood on the floor, and what to do."""
     finished = [segment_result for segment_result in fitting.values() if segment_result.finished]
-    if any(found.quality == "preview" for found in finished):
+    if any(result.quality == "preview" for result in finished):
         return "The motion was tracked as a preview: track it in full first."
     if finished:
         return "Frames are missing in every tracked segment: track one that is whole first."
@@ -199,7 +199,7 @@ def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin
     pins = list(session.subject.pins)
     for motion in motions.values():
         for pin in stances(session, motion, up):
-            if not any(pin.overlaps(known) for known in session.subject.pins):
+            if not any(pin.overlaps(pinned_already) for pinned_already in session.subject.pins):
                 pins += by_contact(skeleton, motion, pin, up)
     return pins_apart(pins)
 

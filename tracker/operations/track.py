@@ -148,20 +148,20 @@ def _found_keypoints(
         if keypoints is None:
             raise _not_read(session.view.given_keypoints)
         return GivenKeypoints(keypoints)
-    found = detected_keypoints(session, video, masks=needs_masks(session))
-    return _or_drafted(found, session, keypoints)
+    detected = detected_keypoints(session, video, masks=needs_masks(session))
+    return _or_drafted(detected, session, keypoints)
 
 
 def _or_drafted(
-    found: KeypointSource, session: Session, keypoints: Keypoints | None
+    detected: KeypointSource, session: Session, keypoints: Keypoints | None
 ) -> KeypointSource:
     """A network's keypoints, or a draft's where the body lies on them."""
     drafted = session.view.keypoints
     if drafted is None or not has_drafted_keypoints(session):
-        return found
+        return detected
     if keypoints is None:
         raise _not_read(drafted)
-    return DraftedKeypoints(keypoints, found, session.view.camera, session.camera_path)
+    return DraftedKeypoints(keypoints, detected, session.view.camera, session.camera_path)
 
 
 def _not_read(keypoints: KeypointFile) -> SessionError:

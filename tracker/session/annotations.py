@@ -142,10 +142,13 @@ def require_corrections(
     keypoint_corrections: Sequence[KeypointCorrection], frame_count: int, width: int, height: int
 ) -> None:
     """ValueError in one sentence where corrections are not of this video, or two of one joint."""
-    for keypoint_correction, other in pairwise(keypoint_corrections):
-        if (keypoint_correction.frame, keypoint_correction.joint) >= (other.frame, other.joint):
+    for keypoint_correction, following in pairwise(keypoint_corrections):
+        if (keypoint_correction.frame, keypoint_correction.joint) >= (
+            following.frame,
+            following.joint,
+        ):
             raise ValueError(
-                f"keypoint_corrections: {other.joint} at frame {other.frame} stands after "
+                f"keypoint_corrections: {following.joint} at frame {following.frame} stands after "
                 f"{keypoint_correction.joint} at frame {keypoint_correction.frame}; "
                 "sort them by frame and joint, each once"
             )
@@ -195,12 +198,12 @@ NoteList = Annotated[
 
 def require_notes(notes: Sequence[Note], frame_count: int) -> None:
     """ValueError in one sentence unless notes are sorted, one a frame, within the video."""
-    for note, other in pairwise(notes):
-        if note.frame == other.frame:
+    for note, following in pairwise(notes):
+        if note.frame == following.frame:
             raise ValueError(f"notes: frame {note.frame} has two notes; one is allowed")
-        if note.frame > other.frame:
+        if note.frame > following.frame:
             raise ValueError(
-                f"notes: frame {other.frame} stands after {note.frame}; sort them by frame"
+                f"notes: frame {following.frame} stands after {note.frame}; sort them by frame"
             )
     if notes and notes[-1].frame >= frame_count:
         raise ValueError(

@@ -245,7 +245,7 @@ class CameraMotion(Plain):
     def with_way(self, first_frame: int, farthest_m: float) -> Self:
         """The motion whose piece that begins at a frame goes so far from there, as somebody knows;
         ValueError in one sentence where there is no such piece, or its camera goes nowhere."""
-        camera_way = next((one for one in self.ways if one.first_frame == first_frame), None)
+        camera_way = next((each for each in self.ways if each.first_frame == first_frame), None)
         if camera_way is None:
             raise ValueError("No way of the camera begins at this frame.")
         if camera_way.farthest * MOST_METRES < farthest_m:
@@ -255,9 +255,9 @@ class CameraMotion(Plain):
                 "taken from."
             )
         metres = float(f"{farthest_m / camera_way.farthest:.7g}")
-        known = CameraPiece(first_frame=first_frame, metres=metres)
+        measured_piece = CameraPiece(first_frame=first_frame, metres=metres)
         pieces = (
-            known if camera_piece.first_frame == first_frame else camera_piece
+            measured_piece if camera_piece.first_frame == first_frame else camera_piece
             for camera_piece in self.pieces
         )
         return self.model_copy(update={"pieces": tuple(pieces)})
@@ -267,10 +267,10 @@ class CameraMotion(Plain):
         """(N − 1,) which steps lead from one piece to the next: of what is known of each."""
         steps = np.zeros(max(self.frame_count - 1, 0), bool)
         unknown = np.isnan(self.errors_px) if self.error_px else np.zeros(self.frame_count, bool)
-        seen = np.flatnonzero(~unknown)
+        measured_steps = np.flatnonzero(~unknown)
         for first in self._starts[1:]:
-            before = int(seen[seen < first].max(initial=0))
-            after = int(seen[seen >= first].min(initial=self.frame_count - 1))
+            before = int(measured_steps[measured_steps < first].max(initial=0))
+            after = int(measured_steps[measured_steps >= first].min(initial=self.frame_count - 1))
             steps[before:after] = True
         return steps
 
@@ -295,7 +295,7 @@ class CameraMotion(Plain):
         if len(unpacked(self.error_px)) not in (0, len(rows)):
             raise ValueError("error_px: has another number of frames than the samples")
         starts = [*self._starts, len(rows)]
-        if starts[0] != 0 or any(one >= other for one, other in pairwise(starts)):
+        if starts[0] != 0 or any(before >= after for before, after in pairwise(starts)):
             raise ValueError("pieces: do not begin at frame 0, or not one after another")
         return self
 

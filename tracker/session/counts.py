@@ -24,9 +24,9 @@ def require_few(data: Mapping[str, Any]) -> None:
     """ValueError when a list is longer than a session may have; checked before any of it is read,
     which could take minutes."""
     for name, most in MOST.items():
-        given = data.get(name)
-        if isinstance(given, list | tuple) and len(given) > most:
-            raise ValueError(f"{name}: {len(given)} are more than the {most} a session may have")
+        entries = data.get(name)
+        if isinstance(entries, list | tuple) and len(entries) > most:
+            raise ValueError(f"{name}: {len(entries)} are more than the {most} a session may have")
 
 
 def few(data: Any) -> Any:

@@ -309,8 +309,8 @@ class SurfaceEvidence(Evidence):
         fields = super().refreshed_fields(now)
         if not isinstance(now, SurfaceEvidence) or now.surface.cameras != self.surface.cameras:
             return fields
-        known = {"cameras_fingerprint": now.surface.cameras_fingerprint}
-        return {**fields, "surface": self.surface.model_copy(update=known)}
+        fingerprints = {"cameras_fingerprint": now.surface.cameras_fingerprint}
+        return {**fields, "surface": self.surface.model_copy(update=fingerprints)}
 
     def with_paths(self, moved: Callable[[str], str]) -> Fields:
         fields, cameras = super().with_paths(moved), self.surface.cameras
@@ -325,8 +325,8 @@ EVIDENCE_KINDS: tuple[type[Evidence], ...] = (SurfaceEvidence, FilmEvidence)
 
 def evidence_of(session: EvidenceSource) -> Evidence:
     """What the session's body is compared with."""
-    found = (kind.of(session) for kind in EVIDENCE_KINDS)
-    return next(evidence for evidence in found if evidence is not None)
+    candidates = (kind.of(session) for kind in EVIDENCE_KINDS)
+    return next(evidence for evidence in candidates if evidence is not None)
 
 
 def surface_of(session: EvidenceSource) -> Surface:
@@ -342,13 +342,13 @@ class ByEvidence(Generic[T]):
     A kind without an entry uses that of its nearest base class.
     """
 
-    def __init__(self, known: Mapping[type[Evidence], T]) -> None:
-        self._known = known
+    def __init__(self, entry_of_kind: Mapping[type[Evidence], T]) -> None:
+        self._known = entry_of_kind
 
     def of(self, session: EvidenceSource) -> T:
         """The entry for a session's evidence; TypeError where there is none."""
         kind = type(session.evidence)
-        for one in kind.__mro__:
-            if one in self._known:
-                return self._known[one]
+        for base in kind.__mro__:
+            if base in self._known:
+                return self._known[base]
         raise TypeError(f"nothing is known here of {kind.__name__}")

@@ -79,9 +79,9 @@ class History:
         history = self
         while len(history.past) != done:
             back = len(history.past) > done
-            found = history.undo(present) if back else history.redo(present)
-            if found is None:
+            neighbour = history.undo(present) if back else history.redo(present)
+            if neighbour is None:
                 return
-            step, history = found
+            step, history = neighbour
             present = step.doc
             yield step, history

@@ -200,5 +200,5 @@ def migrate(data: Any, name: str) -> Data:
 
 def version_in(content: bytes) -> int | None:
     """The version named in the first bytes of a file; None where there is none."""
-    found = _NUMBER.search(content[:_HEAD_BYTES])
-    return None if found is None else int(found[1])
+    match = _NUMBER.search(content[:_HEAD_BYTES])
+    return None if match is None else int(match[1])

@@ -90,8 +90,8 @@ PinList = Annotated[
 
 def sole_of(part: Part) -> tuple[Name, ...]:
     """The landmarks heel and toe, by which a whole foot is held; of other parts none."""
-    found = [name for end in ("heel", "toe") for name in part.landmarks if name.endswith(end)]
-    return tuple(found) if len(found) == 2 else ()
+    names = [name for end in ("heel", "toe") for name in part.landmarks if name.endswith(end)]
+    return tuple(names) if len(names) == 2 else ()
 
 
 def pins_within(pins: Sequence[Pin], span: tuple[int, int]) -> tuple[Pin, ...]:
@@ -108,13 +108,13 @@ def pins_apart(pins: Sequence[Pin]) -> tuple[Pin, ...]:
     """The pins, each after those before it that it overlaps: of motions that follow one another,
     the keyframe between them belongs to both.
     """
-    found: list[Pin] = []
+    separate: list[Pin] = []
     for pin in pins:
-        ends = [other.last_frame for other in found if other.overlaps(pin)]
+        ends = [earlier.last_frame for earlier in separate if earlier.overlaps(pin)]
         first = max(ends) + 1 if ends else pin.first_frame
         if first <= pin.last_frame:
-            found.append(pin.model_copy(update={"first_frame": first}))
-    return tuple(found)
+            separate.append(pin.model_copy(update={"first_frame": first}))
+    return tuple(separate)
 
 
 def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:
@@ -124,10 +124,10 @@ def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:
             raise ValueError(
                 f"pins: {pin.part!r} is no part of the body; its parts are {', '.join(body.names)}"
             )
-        known = body.parts[body.index(pin.part)].landmarks
-        missing = [name for name in pin.landmarks if name not in known]
+        landmarks = body.parts[body.index(pin.part)].landmarks
+        missing = [name for name in pin.landmarks if name not in landmarks]
         if missing:
-            has = f"it has {', '.join(known)}" if known else "it has none"
+            has = f"it has {', '.join(landmarks)}" if landmarks else "it has none"
             raise ValueError(f"pins: {pin.part!r} has no landmark {missing[0]!r}; {has}")
         if pin.last_frame >= frame_count:
             raise ValueError(
@@ -143,8 +143,8 @@ def _require_apart(pins: Sequence[Pin]) -> None:
     """
     under_way: list[Pin] = []
     for pin in sorted(pins, key=lambda pin: pin.first_frame):
-        under_way = [other for other in under_way if other.last_frame >= pin.first_frame]
-        if any(pin.overlaps(other) for other in under_way):
+        under_way = [earlier for earlier in under_way if earlier.last_frame >= pin.first_frame]
+        if any(pin.overlaps(earlier) for earlier in under_way):
             raise ValueError(
                 f"pins: {pin.part!r} has two pins at frame {pin.first_frame}; one is allowed"
             )

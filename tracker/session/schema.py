@@ -116,11 +116,11 @@ def _require_camera_motion(view: View) -> None:
             raise ValueError(f"camera_keyframes: frame {after} stands after {before}")
 
 
-def _require_ids(what: str, them: Sequence[View | TrackedBody]) -> None:
-    ids = [one.id for one in them]
-    twice = next((one for one in ids if ids.count(one) > 1), None)
+def _require_ids(field: str, them: Sequence[View | TrackedBody]) -> None:
+    ids = [each.id for each in them]
+    twice = next((each_id for each_id in ids if ids.count(each_id) > 1), None)
     if twice is not None:
-        raise ValueError(f"{what}: two have the id {twice!r}; each needs its own")
+        raise ValueError(f"{field}: two have the id {twice!r}; each needs its own")
 
 
 def _require_part_keyframes(subject: TrackedBody, view: View) -> None:
@@ -152,16 +152,16 @@ def _require_part_keyframes(subject: TrackedBody, view: View) -> None:
 
 
 def _require_sorted(keyframes: Sequence[Keyframe]) -> None:
-    for keyframe, other in pairwise(keyframes):
-        before, after = keyframe.frame, other.frame
+    for keyframe, following in pairwise(keyframes):
+        before, after = keyframe.frame, following.frame
         if before == after:
             raise ValueError(f"keyframes: frame {before} has two keyframes; one is allowed")
         if before > after:
             raise ValueError(f"keyframes: frame {after} stands after {before}; sort them by frame")
-        if keyframe.time_s >= other.time_s:
+        if keyframe.time_s >= following.time_s:
             raise ValueError(
-                f"keyframes: time_s of frame {after} is {other.time_s:g}; it must be later than "
-                f"{keyframe.time_s:g}, the time of frame {before}"
+                f"keyframes: time_s of frame {after} is {following.time_s:g}; it must be later "
+                f"than {keyframe.time_s:g}, the time of frame {before}"
             )
 
 
@@ -333,14 +333,14 @@ class Session(Plain):
         """Whether the camera is taken to stand still: as the settings say, else as it was
         found; False where nobody looked.
         """
-        chosen, found = self.settings.static_camera, self.view.video.stands_still
-        return bool(found if chosen is None else chosen)
+        chosen, detected = self.settings.static_camera, self.view.video.stands_still
+        return bool(detected if chosen is None else chosen)
 
     @property
     def has_unknown_motion(self) -> bool:
         """Whether the camera is said, or was found, to move, and nobody knows how."""
-        chosen, found = self.settings.static_camera, self.view.video.stands_still
-        moves = (found if chosen is None else chosen) is False
+        chosen, detected = self.settings.static_camera, self.view.video.stands_still
+        moves = (detected if chosen is None else chosen) is False
         return moves and self.view.camera_motion is None
 
     @property
@@ -371,8 +371,8 @@ class Session(Plain):
 
     def with_up_chosen(self, chosen: UpEstimate) -> Self:
         """Set what is up as a person chose it of what was found: it stays as that."""
-        found = self.with_up_found(chosen)
-        return found.changed({"up_from": (*chosen.sources, "set")})
+        estimated = self.with_up_found(chosen)
+        return estimated.changed({"up_from": (*chosen.sources, "set")})
 
     @property
     def has_up_of_hand(self) -> bool:

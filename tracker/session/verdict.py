@@ -59,8 +59,8 @@ _WITHOUT_A_PLACE: Final = ("good", "nothing_seen", "other")
 
 def worst_of(kinds: Iterable[Kind | None]) -> Kind | None:
     """The worst verdict of several segments, some of which may have none; None where none has."""
-    found = set(kinds)
-    return next((kind for kind in WORST_FIRST if kind in found), None)
+    kinds_present = set(kinds)
+    return next((kind for kind in WORST_FIRST if kind in kinds_present), None)
 
 
 class Verdict(Plain):

@@ -96,7 +96,7 @@ def still_ranges(
 ) -> list[tuple[int, int]]:
     """First and last rows of the ranges over which a point (N, 3) stands still, low (N,) enough."""
     v, n = speed_m_s(p_world, frames_per_second, eyes), len(p_world)
-    found: list[tuple[int, int]] = []
+    ranges: list[tuple[int, int]] = []
     row = 0
     while row < n:
         if not (v[row] < START_M_S and low[row]):
@@ -104,18 +104,18 @@ def still_ranges(
             continue
         first = last = row
         begins = 0.5 * (START_M_S + STAY_M_S)
-        before = found[-1][1] if found else -1
+        before = ranges[-1][1] if ranges else -1
         while first - 1 > before and v[first - 1] < begins and low[first - 1]:
             first -= 1
         while last + 1 < n and v[last + 1] < STAY_M_S and low[last + 1]:
             last += 1
-        if found and first - before - 1 <= GAP_S * frames_per_second:
-            first = found.pop()[0]
-        found.append((first, last))
+        if ranges and first - before - 1 <= GAP_S * frames_per_second:
+            first = ranges.pop()[0]
+        ranges.append((first, last))
         row = last + 1
     least = LEAST_S * frames_per_second
     # the frames at both ends are where the foot lands and leaves
-    kept = [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 2]
+    kept = [(a + (a > 0), b - (b < n - 1)) for a, b in ranges if b - a + 1 >= least and b - a > 2]
     return [(a, b) for a, b in (_without_leaving(v, *span) for span in kept) if a < b]
 
 
@@ -124,7 +124,7 @@ def _at_one_place(
 ) -> list[tuple[int, int]]:
     """Ranges as those over which a foot is at one place each: one ends where all points of the foot
     (N, K, 3) are elsewhere before and after, and the frames on the way are none's."""
-    found: list[tuple[int, int]] = []
+    ranges: list[tuple[int, int]] = []
     for first, last in spans:
         pieces = _divided(p_seen, first, last, least)
         for a, b in pieces:
@@ -132,8 +132,8 @@ def _at_one_place(
             begin = a if a == first else int(stays.min(initial=b))
             end = b if b == last else int(stays.max(initial=a))
             if len(pieces) == 1 or end - begin + 1 >= least:
-                found.append((begin, end))
-    return found
+                ranges.append((begin, end))
+    return ranges
 
 
 def _divided(p_seen: Array, first: int, last: int, least: int) -> list[tuple[int, int]]:
@@ -159,8 +159,8 @@ def _turning(p: Array, least: int) -> int:
 
 def _apart(before: Array, after: Array) -> float:
     """How far the usual places (n, K, 3) of a foot are apart, by the point that moved least."""
-    way = np.median(before, axis=0) - np.median(after, axis=0)
-    return float(np.linalg.norm(way, axis=-1).min())
+    offsets = np.median(before, axis=0) - np.median(after, axis=0)
+    return float(np.linalg.norm(offsets, axis=-1).min())
 
 
 def _strays(p: Array) -> Array:
@@ -202,12 +202,12 @@ def _after(
     toes: Sequence[tuple[int, int]], heels: Sequence[tuple[int, int]], least: float
 ) -> list[tuple[int, int]]:
     """What is left of the toes' ranges once their heels have left."""
-    found = []
+    ranges = []
     for first, last in toes:
         ends = [b for a, b in heels if a <= last and b >= first]
         if ends and last - max(ends) >= least:
-            found.append((max(ends) + 1, last))
-    return found
+            ranges.append((max(ends) + 1, last))
+    return ranges
 
 
 def speed_m_s(p_world: Array, frames_per_second: float, eyes: Array | None = None) -> Array:

@@ -209,12 +209,12 @@ def _leans(judged: MotionInSpace) -> Iterator[SpaceFinding]:
 
 def _standing(stances: Sequence[tuple[Pin, Array]], frame: int) -> Array:
     """(K, 3) the points of the feet that stand at a frame."""
-    found = [
+    points = [
         places[frame - stance.first_frame]
         for stance, places in stances
         if stance.first_frame <= frame <= stance.last_frame
     ]
-    return np.concatenate(found) if found else np.zeros((0, 3))
+    return np.concatenate(points) if points else np.zeros((0, 3))
 
 
 def _out_of_balance(middle: Array, feet: Array, up: Array) -> float:

@@ -125,10 +125,10 @@ def gait_of_paths(
 
     root: (N, 3).  feet: each with the rows at which it stands still, first and last, ascending.
     """
-    way = _way(root, times_s)
+    direction = _way(root, times_s)
     stances: list[Stance] = []
     for path, still in feet:
-        stances += _stances(path, still, root, way, times_s, first_frame)
+        stances += _stances(path, still, root, direction, times_s, first_frame)
     stances.sort(key=lambda stance: stance.still)
     strides = [
         stride
@@ -160,15 +160,15 @@ def _stood(
     spans = sorted(pin.span for pin in pins if pin.part == part)
     last = len(times_s) - 1
     rows = [(max(a - first_frame, 0), min(b - first_frame, last)) for a, b in spans]
-    found: list[tuple[int, int]] = []
+    ranges: list[tuple[int, int]] = []
     for a, b in rows:
         if a > b:
             continue
-        if found and times_s[a] - times_s[found[-1][1]] <= APART_S:
-            found[-1] = (found[-1][0], max(found[-1][1], b))
+        if ranges and times_s[a] - times_s[ranges[-1][1]] <= APART_S:
+            ranges[-1] = (ranges[-1][0], max(ranges[-1][1], b))
         else:
-            found.append((a, b))
-    return found
+            ranges.append((a, b))
+    return ranges
 
 
 def _way(root: Array, times_s: Array) -> Array:
@@ -177,29 +177,29 @@ def _way(root: Array, times_s: Array) -> Array:
 
     level = root * [1.0, 0.0, 1.0]
     step_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 1.0
-    known = np.isfinite(level[:, 0])
-    way = np.full(root.shape, np.nan)
-    if known.sum() > 1:
+    is_known = np.isfinite(level[:, 0])
+    direction = np.full(root.shape, np.nan)
+    if is_known.sum() > 1:
         filled = np.column_stack(
-            [np.interp(times_s, times_s[known], level[known, k]) for k in range(3)]
+            [np.interp(times_s, times_s[is_known], level[is_known, k]) for k in range(3)]
         )
         v = gaussian_filter1d(np.gradient(filled, axis=0), WAY_S / step_s, axis=0, mode="nearest")
-        way = v / np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-9)
-    way[~known] = np.nan
-    return way
+        direction = v / np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-9)
+    direction[~is_known] = np.nan
+    return direction
 
 
 def _stances(
     path: FootPath,
     still: Sequence[tuple[int, int]],
     root: Array,
-    way: Array,
+    direction: Array,
     times_s: Array,
     first_frame: int,
 ) -> list[Stance]:
     """Every stance of one foot with its two moments."""
-    ahead = ((path.heel - root) * way).sum(axis=1)
-    behind = -((path.toe - root) * way).sum(axis=1)
+    ahead = ((path.heel - root) * direction).sum(axis=1)
+    behind = -((path.toe - root) * direction).sum(axis=1)
     stances = []
     for k, (a, b) in enumerate(still):
         before = still[k - 1][1] + 1 if k else 0

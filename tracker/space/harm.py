@@ -141,25 +141,25 @@ def _worst(
 
 def _limb(skeleton: Skeleton, part: int) -> list[int]:
     """A part and those that carry it, but for the root."""
-    found = [part]
-    while skeleton.parents[found[-1]] > 0:
-        found.append(int(skeleton.parents[found[-1]]))
-    return found
+    limb = [part]
+    while skeleton.parents[limb[-1]] > 0:
+        limb.append(int(skeleton.parents[limb[-1]]))
+    return limb
 
 
-def worst_of_each(found: Sequence[Harm]) -> tuple[Harm, ...]:
+def worst_of_each(pin_harms: Sequence[Harm]) -> tuple[Harm, ...]:
     """The worst harm of every pin, the worst first."""
-    ordered = sorted(found, key=lambda harm: -harm.share)
+    ordered = sorted(pin_harms, key=lambda harm: -harm.share)
     return tuple(
         harm for k, harm in enumerate(ordered) if harm.pin not in [h.pin for h in ordered[:k]]
     )
 
 
-def worst_apart(found: Sequence[Harm], apart: int) -> tuple[Harm, ...]:
+def worst_apart(pin_harms: Sequence[Harm], apart: int) -> tuple[Harm, ...]:
     """Of harms the worst, and those more than so many frames from any that is worse: what lies
     beside it may be its doing."""
     kept: list[Harm] = []
-    for harm in worst_of_each(found):
+    for harm in worst_of_each(pin_harms):
         a, b = harm.pin.span
         near = any(a - apart <= w.pin.last_frame and b + apart >= w.pin.first_frame for w in kept)
         if not near:

@@ -61,17 +61,17 @@ def mirrored_limbs(
 
     camera: without distortion.
     """
-    found: list[Mirrored] = []
+    limbs: list[Mirrored] = []
     frames, most = sorted(poses), NEAR_S * frames_per_second
     there = {frame: pose_transforms(skeleton, poses[frame]) for frame in frames}
     for frame in frames:
         others = [there[k] for k in _near(frames, frame, most)]
         for limb in _limbs(skeleton) if len(others) == OTHERS else ():
             gains = [_compared(skeleton, camera, part, poses[frame], others) for part in limb]
-            nearer, part = max(zip(gains, limb, strict=True), key=lambda one: one[0])
+            nearer, part = max(zip(gains, limb, strict=True), key=lambda pair: pair[0])
             if nearer > NEARER_M:
-                found.append(Mirrored(frame, part.name, nearer))
-    return tuple(found)
+                limbs.append(Mirrored(frame, part.name, nearer))
+    return tuple(limbs)
 
 
 def _near(frames: Sequence[int], frame: int, most: float) -> list[int]:
@@ -128,15 +128,19 @@ def _compared(
     near = [part.in_trunk(T, part.joints(T)) for T in others]
 
     def nearer(p_camera: Array) -> float:
-        as_it_is, other = part.in_trunk(Ts, shown), part.in_trunk(Ts, p_camera)
-        return min(_apart(as_it_is, p) for p in near) - min(_apart(other, p) for p in near)
+        as_it_is, candidate = part.in_trunk(Ts, shown), part.in_trunk(Ts, p_camera)
+        return min(_apart(as_it_is, p) for p in near) - min(_apart(candidate, p) for p in near)
 
     if apart < APART_M or nearer(image) < NEARER_M:
         return 0.0
     turned = turned_in_depth(skeleton, camera, pose, part.top)
-    found = part.joints(pose_transforms(skeleton, turned))
-    strays = _apart(found, image) > STRAYS * apart
-    return 0.0 if strays or not turns_round(skeleton, pose, turned, part.top) else nearer(found)
+    turned_joints = part.joints(pose_transforms(skeleton, turned))
+    strays = _apart(turned_joints, image) > STRAYS * apart
+    return (
+        0.0
+        if strays or not turns_round(skeleton, pose, turned, part.top)
+        else nearer(turned_joints)
+    )
 
 
 def _apart(p: Array, q: Array) -> float:

@@ -68,17 +68,17 @@ def measured_soles(
     on_floor = [pin for pin in pins if pin.floor]
     if not any(pin.holds_sole(skeleton.body) for pin in on_floor):
         return None
-    found: list[Soles] = []
+    measured: list[Soles] = []
     in_air: list[tuple[int, int]] = []
     for motion in motions:
         held = pins_within(on_floor, (motion.first_frame, motion.last_frame))
-        found += [
+        measured += [
             _at_worst(skeleton, motion, pin, up_world, floor_m)
             for pin in held
             if pin.holds_sole(skeleton.body)
         ]
         in_air += _in_air(skeleton, motion, held, up_world, floor_m)
-    worst = max(found, key=lambda soles: abs(soles.off_m), default=None)
+    worst = max(measured, key=lambda soles: abs(soles.off_m), default=None)
     return None if worst is None else replace(worst, in_air=tuple(in_air))
 
 

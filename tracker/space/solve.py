@@ -351,22 +351,22 @@ def _limbs(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     if not problem.keyed_parts:
         return ()
     motion, size = problem.motion, (len(problem.motion), skeleton.part_count)
-    uv, depth, seen, precision = np.zeros((*size, 2)), *np.zeros((3, *size))
+    uv, depth, seen_scale, precision = np.zeros((*size, 2)), *np.zeros((3, *size))
     for keyed in problem.keyed_parts:
         row, parts = keyed.frame - motion.first_frame, keyed.hanging(skeleton)
         there = pose_transforms(skeleton, keyed.pose)[parts, :3, 3]
         uv[row, parts] = image_points(problem.camera, there)
         depth[row, parts] = there[:, 2] - keyed.pose.p_camera_root[2]
         between = np.isin(parts, skeleton.parents)
-        seen[row, parts] = 1 / np.where(between, BETWEEN_SEEN_M, END_M)
+        seen_scale[row, parts] = 1 / np.where(between, BETWEEN_SEEN_M, END_M)
         precision[row, parts] = 1 / np.where(between, BETWEEN_M, END_M)
-    known = np.flatnonzero(precision.any(axis=0))
-    points = BodyPoints(skeleton, tuple(((int(i), (0.0, 0.0, 0.0)),) for i in known))
+    known_parts = np.flatnonzero(precision.any(axis=0))
+    points = BodyPoints(skeleton, tuple(((int(i), (0.0, 0.0, 0.0)),) for i in known_parts))
     pixel_m = problem.camera.depth(motion.ps_camera_root) / problem.camera.fy
-    scale = seen[:, known] * pixel_m[:, None]
+    scale = seen_scale[:, known_parts] * pixel_m[:, None]
     return (
-        PointsInPicture(points, problem.camera, uv[:, known], scale, NEAREST_M),
-        DepthFromRoot(points, depth[:, known], precision[:, known]),
+        PointsInPicture(points, problem.camera, uv[:, known_parts], scale, NEAREST_M),
+        DepthFromRoot(points, depth[:, known_parts], precision[:, known_parts]),
     )
 
 
@@ -381,9 +381,9 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
     motion = problem.motion
     pixel_m = float(np.median(problem.camera.depth(motion.ps_camera_root))) / problem.camera.fy
     step, bend = (sigma.precision(skeleton, pixel_m) for sigma in (STEP, BEND))
-    known = np.nan_to_num(problem.observability)[:, skeleton.dof_part]
+    observability = np.nan_to_num(problem.observability)[:, skeleton.dof_part]
     measured = increments(skeleton, motion)
-    followed = Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - known), Huber())
+    followed = Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - observability), Huber())
     links: list[Link] = [Smoothness.even(skeleton, len(motion), bend)]
     if problem.smooth and len(motion) > 3:
         rate = problem.frames_per_second

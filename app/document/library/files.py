@@ -72,7 +72,7 @@ def find_files(roots: Sequence[Path]) -> Listing:
     """Everything that can be opened in these folders and those inside them; hidden ones and those
     that tools make are not looked into, links to folders not followed, links to files that lie
     outside left out."""
-    found: dict[Path, Found] = {}
+    entry_of_path: dict[Path, Found] = {}
     left = _Budget()
     for number, root in enumerate(roots):
         for folder, folders, names in os.walk(root):
@@ -80,13 +80,13 @@ def find_files(roots: Sequence[Path]) -> Listing:
             folders[:] = sorted(name for name in folders if is_listed(name))
             if len(here.relative_to(root).parts) >= DEEPEST:
                 folders.clear()
-            if not left.spend(len(folders) + len(names)) or len(found) >= MOST_FILES:
-                return Listing(_sorted(found), more=True)
-            for one in _in_folder(number, root, here, names):
-                path = root / unquoted(one.id.partition("/")[2])
+            if not left.spend(len(folders) + len(names)) or len(entry_of_path) >= MOST_FILES:
+                return Listing(_sorted(entry_of_path), more=True)
+            for entry in _in_folder(number, root, here, names):
+                path = root / unquoted(entry.id.partition("/")[2])
                 if is_inside(path, roots):
-                    found.setdefault(path.resolve(), one)
-    return Listing(_sorted(found), more=False)
+                    entry_of_path.setdefault(path.resolve(), entry)
+    return Listing(_sorted(entry_of_path), more=False)
 
 
 def file_at(id: str, roots: Sequence[Path]) -> Path:
@@ -143,22 +143,22 @@ class _Budget:
 
 
 def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Iterator[Found]:
-    seen = [name for name in names if not name.startswith(".")]
-    for name in seen:
+    shown_names = [name for name in names if not name.startswith(".")]
+    for name in shown_names:
         kind = kind_of(here / name)
         if kind is not None:
             yield from found_at(number, root, here / name, kind)
     if here != root:
-        what, count = kind_of_folder(seen)
+        folder_kind, count = kind_of_folder(shown_names)
         if count > 1:
-            yield from found_at(number, root, here, what, count)
+            yield from found_at(number, root, here, folder_kind, count)
 
 
 def kind_of_folder(names: Sequence[str]) -> tuple[Kind, int]:
     """What a folder with files of these names opens as, and how many of them there are."""
-    what: Kind = "meshes" if are_meshes(names) else "images"
-    suffixes = MESHES if what == "meshes" else IMAGES
-    return what, sum(name.lower().endswith(suffixes) for name in names)
+    kind: Kind = "meshes" if are_meshes(names) else "images"
+    suffixes = MESHES if kind == "meshes" else IMAGES
+    return kind, sum(name.lower().endswith(suffixes) for name in names)
 
 
 def kind_of(path: Path) -> Kind | None:
@@ -181,9 +181,9 @@ def is_session(path: Path) -> bool:
 
 
 def _title(path: Path) -> str:
-    found = _TITLE.search(_head(path))
+    match = _TITLE.search(_head(path))
     try:
-        return str(json.loads(found[1])) if found else ""
+        return str(json.loads(match[1])) if match else ""
     except ValueError:
         return ""
 
@@ -225,13 +225,13 @@ def found_at(number: int, root: Path, path: Path, kind: Kind, count: int = 0) ->
     )
 
 
-def _sorted(found: dict[Path, Found]) -> tuple[Found, ...]:
+def _sorted(entry_of_path: dict[Path, Found]) -> tuple[Found, ...]:
     """The roots in their order; in each the folders, and the files in them, by name."""
 
-    def key(one: Found) -> tuple[int, str, str]:
-        return int(one.id.partition("/")[0]), one.folder, one.name.casefold()
+    def key(entry: Found) -> tuple[int, str, str]:
+        return int(entry.id.partition("/")[0]), entry.folder, entry.name.casefold()
 
-    return tuple(sorted(found.values(), key=key))
+    return tuple(sorted(entry_of_path.values(), key=key))
 
 
 MOST_PEEKED = 400
@@ -272,10 +272,10 @@ def list_folder(id: str, roots: Sequence[Path]) -> FolderListing:
     except OSError as problem:
         why = problem.strerror or problem
         raise KeyposeError(f"{printable(folder.name)!r} cannot be looked into: {why}.") from None
-    seen = [name for name in names if not name.startswith(".")]
+    shown_names = [name for name in names if not name.startswith(".")]
     folders: list[Place] = []
     files: list[Found] = []
-    for name in seen[:MOST_FILES]:
+    for name in shown_names[:MOST_FILES]:
         path = folder / name
         if not is_inside(path, roots):
             continue
@@ -286,8 +286,8 @@ def list_folder(id: str, roots: Sequence[Path]) -> FolderListing:
             files.extend(_what_it_is(number, root, path))
             if not name.endswith(SESSION_FOLDER):
                 folders.append(Place(_id(number, root, path), printable(name)))
-    way = _way(number, root, folder)
-    return FolderListing(way, tuple(folders), tuple(files), len(seen) > MOST_FILES)
+    place_path = _way(number, root, folder)
+    return FolderListing(place_path, tuple(folders), tuple(files), len(shown_names) > MOST_FILES)
 
 
 def _folder_at(id: str, roots: Sequence[Path]) -> tuple[int, Path, Path]:
@@ -315,9 +315,9 @@ def _what_it_is(number: int, root: Path, folder: Path) -> Iterator[Found]:
             names = [e.name for _, e in zip(range(MOST_PEEKED), entries, strict=False)]
     except OSError:
         return
-    what, count = kind_of_folder([name for name in names if not name.startswith(".")])
+    kind, count = kind_of_folder([name for name in names if not name.startswith(".")])
     if count > 1:
-        yield from found_at(number, root, folder, what, count)
+        yield from found_at(number, root, folder, kind, count)
 
 
 def _way(number: int, root: Path, folder: Path) -> tuple[Place, ...]:

@@ -258,14 +258,14 @@ class Library:
 
     def thumb(self, id: str) -> bytes | None:
         """The JPEG behind /thumb/{id}.jpg, None when there is none; decodes, so use a thread."""
-        known = self._behind_thumb(id)
-        if known is None:
+        behind_thumb = self._behind_thumb(id)
+        if behind_thumb is None:
             return None
-        if not _is_saved(known):
+        if not _is_saved(behind_thumb):
             with suppress(OSError):
-                return self._thumbs.of_file(known)
+                return self._thumbs.of_file(behind_thumb)
             return None
-        return self._thumbs.get(id, lambda: of_session(known))
+        return self._thumbs.get(id, lambda: of_session(behind_thumb))
 
     def file_thumb(self, id: str) -> bytes | None:
         """A small JPEG of a file of the folders: its first picture. None when there is none;

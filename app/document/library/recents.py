@@ -108,7 +108,7 @@ def read_recents(file: Path) -> tuple[Recent, ...]:
 
 def remember(file: Path, recent: Recent) -> None:
     """Put a session first. KeyposeError in one sentence when the disk refuses."""
-    others = (one for one in read_recents(file) if one.path != recent.path)
+    others = (kept_recent for kept_recent in read_recents(file) if kept_recent.path != recent.path)
     book = _Book(recents=(recent, *others)[:MOST])
     make_folder(file.parent)
     write_file(file, book.model_dump_json(indent=1).encode(), overwrite=True)
@@ -131,8 +131,10 @@ def forget(file: Path, id: str) -> None:
 
 def spans_of(session: Session) -> list[Span]:
     """The verdicts that a session file holds."""
-    found = {(s.first_frame, s.last_frame): s.verdict.kind for s in _summaries(session)}
-    return [(first, last, found.get((first, last), "none")) for first, last in session.spans]
+    verdict_of_span = {(s.first_frame, s.last_frame): s.verdict.kind for s in _summaries(session)}
+    return [
+        (first, last, verdict_of_span.get((first, last), "none")) for first, last in session.spans
+    ]
 
 
 def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Run, ...]:

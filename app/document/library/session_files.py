@@ -127,12 +127,12 @@ def session_files(session_path: Path) -> list[Path]:
 
 
 def _named_in(files: list[Path]) -> set[str]:
-    found: set[str] = set()
+    files_named: set[str] = set()
     for file in files:
         with suppress(OSError):
             content = read_regular(file, LARGEST_SESSION_BYTES)
-            found.update(name.decode() for name in _NAMED.findall(content))
-    return found
+            files_named.update(name.decode() for name in _NAMED.findall(content))
+    return files_named
 
 
 # --- rename
@@ -199,7 +199,9 @@ def _free_folder(path: Path) -> Path:
     if printable(name) != name or not name:
         raise SessionError(f"{str(path)!r} has a name that cannot be copied: rename its folder.")
     return next(
-        parent / one for one in numbered(name) if one != base.name and not (parent / one).exists()
+        parent / free_name
+        for free_name in numbered(name)
+        if free_name != base.name and not (parent / free_name).exists()
     )
 
 
