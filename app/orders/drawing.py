@@ -80,8 +80,8 @@ def _viewpoint(text: str, names: tuple[str, ...]) -> Viewpoint:
     least, most = {"orbit": (1, 2), "camera": (2, 3)}.get(kind, (1, 0))
     if len(numbers) != numbers_text.count(",") + 1 or not least <= len(numbers) <= most:
         how = "camera" if "orbit" in names else "orbit"
-        known = ", ".join((*names, f"{how}:AZIMUTH,ELEVATION in degrees"))
-        raise Misread(f"{text[:40]!r} is not a view; choose {known}")
+        views = ", ".join((*names, f"{how}:AZIMUTH,ELEVATION in degrees"))
+        raise Misread(f"{text[:40]!r} is not a view; choose {views}")
     azimuth, elevation = math.fmod(numbers[0], 360.0), [*numbers, ELEVATION_DEG][1]
     if abs(elevation) > 90:
         raise Misread(f"{text!r}: an elevation is from -90 to 90 degrees")

@@ -60,7 +60,7 @@ def said_by_page(order: type) -> frozenset[str]:
 
 def read_order(order: type[OrderT], texts: Texts) -> OrderT:
     """Read an order from texts; FormatError, in one sentence, names the option that is wrong."""
-    options, given = options_of(order), dict[str, Any]()
+    options, values_read = options_of(order), dict[str, Any]()
     for name, text in texts.items():
         if name not in said_by_page(order):
             raise FormatError(f"There is no option {name[:40]!r}.")
@@ -74,9 +74,9 @@ def read_order(order: type[OrderT], texts: Texts) -> OrderT:
             values = tuple(one.value.read(word) for word in words)
         except Misread as error:
             raise FormatError(f"{one.label or name}: {str(error).rstrip('.')}.") from None
-        given[name] = values if one.repeated else values[0]
-    require_one_of_each_group(options, given, lambda name: options[name].label or name)
-    return order(**given)
+        values_read[name] = values if one.repeated else values[0]
+    require_one_of_each_group(options, values_read, lambda name: options[name].label or name)
+    return order(**values_read)
 
 
 def require_one_of_each_group(

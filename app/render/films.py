@@ -225,9 +225,9 @@ def _box_of_motion(studio: Studio, poses: KnownPoses, frames: tuple[int, ...]) -
 
 def _middles(studio: Studio, poses: KnownPoses, film: Film, frames: tuple[int, ...]) -> Array:
     """(N, 3) where the body is in every frame of the film; between known places, on the line."""
-    known = np.array([middle(_points(studio, poses, frame)) for frame in frames])
+    middles = np.array([middle(_points(studio, poses, frame)) for frame in frames])
     every = np.arange(film.first, film.last + 1)
-    return np.stack([np.interp(every, frames, column) for column in known.T], axis=1)
+    return np.stack([np.interp(every, frames, column) for column in middles.T], axis=1)
 
 
 def _posed(poses: KnownPoses, frame: int) -> Pose:

@@ -101,12 +101,14 @@ def _paint_body(
     height, width = canvas.shape[:2]
     fine = view.cropped(*corner, width // FINE, height // FINE).resized(width, height)
     stroke = max(1, round(FINE * view.height / 420))
-    seen = raster(form.mesh, Ts_camera_part, fine)
+    body_raster = raster(form.mesh, Ts_camera_part, fine)
     if style != "wire":
-        rgb, mask = shade(form.mesh, form.normal_maps, form.colours, Ts_camera_part, fine, seen)
-        paint_solid(canvas, rgb, mask, opacity, part_borders(seen))
+        rgb, mask = shade(
+            form.mesh, form.normal_maps, form.colours, Ts_camera_part, fine, body_raster
+        )
+        paint_solid(canvas, rgb, mask, opacity, part_borders(body_raster))
     if style != "solid":
-        lines = body_lines(form.mesh, form.edges, Ts_camera_part, fine, seen)
+        lines = body_lines(form.mesh, form.edges, Ts_camera_part, fine, body_raster)
         paint_lines(canvas, lines, form.sides, stroke)
         p_eye = apply_transform(fine.T_view_camera, Ts_camera_part[:, :3, 3])
         paint_dots(canvas, fine.project(p_eye), 1.1 * stroke)

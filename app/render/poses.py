@@ -32,13 +32,15 @@ class KnownPoses:
 
     def pose(self, frame: int) -> Pose | None:
         """The pose at a frame, None where there is none."""
-        found = self.keys.get(frame)
-        return found if found is not None or self.tracks is None else self.tracks.pose(frame)
+        keyed = self.keys.get(frame)
+        return keyed if keyed is not None or self.tracks is None else self.tracks.pose(frame)
 
     @property
     def frames(self) -> tuple[int, ...]:
         """The frames that have a pose, ascending."""
-        found = set(self.keys)
+        with_pose = set(self.keys)
         if self.tracks is not None:
-            found.update((np.flatnonzero(self.tracks.tracked) + self.tracks.first_frame).tolist())
-        return tuple(sorted(found))
+            with_pose.update(
+                (np.flatnonzero(self.tracks.tracked) + self.tracks.first_frame).tolist()
+            )
+        return tuple(sorted(with_pose))

@@ -100,9 +100,9 @@ def _before(ends: Array, view: ViewCamera) -> tuple[Array, NDArray[np.int64]]:
     if not np.isfinite(near):
         return ends, visible
     cut = ends[visible].copy()
-    for this, other in ((0, 1), (1, 0)):
+    for this, beyond in ((0, 1), (1, 0)):
         short = cut[:, this, 2] < near
-        a, b = cut[short, this], cut[short, other]
+        a, b = cut[short, this], cut[short, beyond]
         share = (near - a[:, 2]) / (b[:, 2] - a[:, 2])
         cut[short, this] = a + share[:, None] * (b - a)
         cut[short, this, 2] = near

@@ -72,10 +72,10 @@ def draw_surface(
         return result
     width, height = right - left, bottom - top
     fine = view.cropped(left, top, width, height).resized(FINE * width, FINE * height)
-    seen = layer(surface.mesh, fine, surface.colours)
+    surface_layer = layer(surface.mesh, fine, surface.colours)
     below = picture[top:bottom, left:right].astype(np.float32)
     canvas = below.repeat(FINE, axis=0).repeat(FINE, axis=1)
-    _lay(canvas, seen, _body_depth(form, Ts_camera_part, fine))
+    _lay(canvas, surface_layer, _body_depth(form, Ts_camera_part, fine))
     small = cv2.resize(canvas, (width, height), interpolation=cv2.INTER_AREA)
     result[top:bottom, left:right] = np.clip(np.rint(small), 0, 255)
     return result
@@ -87,12 +87,12 @@ def _body_depth(form: Form, Ts_camera_part: Array | None, view: ViewCamera) -> D
     return raster(form.mesh, Ts_camera_part, view).depth
 
 
-def _lay(canvas: Canvas, seen: Layer, body: Depth) -> None:
+def _lay(canvas: Canvas, surface_layer: Layer, body: Depth) -> None:
     """The layer over a canvas in place, where it lies before the body; its rim is a fine line."""
-    there = np.isfinite(seen.depth)
-    shown = there & (seen.depth <= body)
+    there = np.isfinite(surface_layer.depth)
+    shown = there & (surface_layer.depth <= body)
     share = np.where(np.isfinite(body), OPACITY, OPACITY_OVER_PAPER)[shown].astype(np.float32)
-    canvas[shown] += share[:, None] * (seen.rgb[shown] - canvas[shown])
+    canvas[shown] += share[:, None] * (surface_layer.rgb[shown] - canvas[shown])
     inner = cv2.erode(there.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     rim = shown & ~inner
     canvas[rim] += np.float32(RIM) * (np.array(INK, dtype=np.float32) - canvas[rim])

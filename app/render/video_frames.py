@@ -38,10 +38,10 @@ class Frames:
         VideoError where the video has no such frame.
         """
         which = (index, version, shrink)
-        known = self._made.get(which)
-        if known is not None:
+        kept_jpeg = self._made.get(which)
+        if kept_jpeg is not None:
             self._made.move_to_end(which)
-            return known
+            return kept_jpeg
         loop = asyncio.get_running_loop()
         try:
             made = await loop.run_in_executor(self._pool, self._make, index, camera, shrink)

@@ -199,6 +199,6 @@ def _write_step(picture: Picture, step: float) -> None:
         write(picture, words, round(1.1 * size), picture.shape[0] - round(1.1 * size), size)
 
 
-def _between(one: Colour, other: Colour, share: float) -> Colour:
-    r, g, b = (round(a + share * (c - a)) for a, c in zip(one, other, strict=True))
+def _between(first: Colour, second: Colour, share: float) -> Colour:
+    r, g, b = (round(a + share * (c - a)) for a, c in zip(first, second, strict=True))
     return r, g, b

@@ -21,17 +21,17 @@ _ELSEWHERE = {
 
 def is_wildcard(host: str) -> bool:
     """Whether a server at this host listens at every address of the computer."""
-    found = parse(host)
-    return found is not None and found.is_unspecified
+    address = parse(host)
+    return address is not None and address.is_unspecified
 
 
 def parse(text: str) -> Address | None:
     """The address a text says, an IPv4 address that is written as IPv6 included; None for names."""
     try:
-        found = ipaddress.ip_address(text.strip("[]").partition("%")[0])
+        address = ipaddress.ip_address(text.strip("[]").partition("%")[0])
     except ValueError:
         return None
-    return getattr(found, "ipv4_mapped", None) or found
+    return getattr(address, "ipv4_mapped", None) or address
 
 
 def host_in_url(host: str) -> str:
@@ -49,12 +49,12 @@ def reachable(host: str) -> list[str]:
     if not is_wildcard(host):
         return [host]
     families = [socket.AF_INET] if "." in host else [socket.AF_INET, socket.AF_INET6]
-    found = ["127.0.0.1", *(a for family in families for a in _own(family))]
+    hosts = ["127.0.0.1", *(a for family in families for a in _own(family))]
     name = socket.gethostname()
     named = {str(parse(a)) for family in families for a in _resolved(name, family)}
-    if named and named <= set(found):
-        found.append(name)
-    return list(dict.fromkeys(found))
+    if named and named <= set(hosts):
+        hosts.append(name)
+    return list(dict.fromkeys(hosts))
 
 
 def _own(family: socket.AddressFamily) -> Iterator[str]:
@@ -74,7 +74,7 @@ def _towards(place: str, family: socket.AddressFamily) -> str:
 
 def _resolved(name: str, family: socket.AddressFamily) -> list[str]:
     try:
-        return [str(found[4][0]) for found in socket.getaddrinfo(name, None, family)]
+        return [str(entry[4][0]) for entry in socket.getaddrinfo(name, None, family)]
     except (OSError, UnicodeError):  # a computer whose name stands for nothing
         return []
 

@@ -104,10 +104,10 @@ class Browsers:
 
     def admit(self) -> Secrets:
         """The secrets of one more browser."""
-        given = Secrets(secrets.token_urlsafe(24), secrets.token_urlsafe(24))
+        admitted = Secrets(secrets.token_urlsafe(24), secrets.token_urlsafe(24))
         added = _Browser(
-            cookie_sha256=_digest(given.cookie),
-            key_sha256=_digest(given.key),
+            cookie_sha256=_digest(admitted.cookie),
+            key_sha256=_digest(admitted.key),
             since_s=self._clock.now(),
         )
         # Another Keypose of the same workspace may have let others in meanwhile.
@@ -115,7 +115,7 @@ class Browsers:
         self._known = self._valid(met.values())
         self._ages.keep(browser.cookie_sha256 for browser in self._known)
         self._write()
-        return given
+        return admitted
 
     def has_cookie(self, cookie: str) -> bool:
         """Whether a browser with this cookie was let in."""
@@ -127,11 +127,11 @@ class Browsers:
         return browser is not None and _is_same(browser.key_sha256, _digest(key))
 
     def _of_cookie(self, cookie: str) -> _Browser | None:
-        digest, found = _digest(cookie), None
+        digest, of_cookie = _digest(cookie), None
         for browser in self._valid(self._known):
             if _is_same(browser.cookie_sha256, digest):
-                found = browser
-        return found
+                of_cookie = browser
+        return of_cookie
 
     def _valid(self, browsers: Iterable[_Browser]) -> tuple[_Browser, ...]:
         """The newest, as long as they are let in without a new link."""
@@ -166,8 +166,8 @@ def _digest(secret: str) -> str:
     return hashlib.sha256(secret.encode("utf-8", "replace")).hexdigest()
 
 
-def _is_same(one: str, other: str) -> bool:
-    return hmac.compare_digest(one.encode(), other.encode())
+def _is_same(first: str, second: str) -> bool:
+    return hmac.compare_digest(first.encode(), second.encode())
 
 
 TOKEN_LONGEST_S = 24 * 3600.0
@@ -208,9 +208,9 @@ class OneTimeTokens:
         self._write()
         return token
 
-    def spend(self, given: str) -> bool:
+    def spend(self, token: str) -> bool:
         """Whether it was valid; from then on it is not, at no server of the workspace."""
-        digest, present = _digest(given).encode(), self._recent(self._present())
+        digest, present = _digest(token).encode(), self._recent(self._present())
         left = [t for t in present if not hmac.compare_digest(digest, t.sha256.encode())]
         self._valid = tuple(left)
         if len(left) == len(present):

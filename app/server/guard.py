@@ -155,10 +155,10 @@ class Guard:
         return response
 
     def _checked_host(self, scope: Scope, headers: dict[str, list[str]]) -> str:
-        given = headers.get("host", [])
-        if len(given) != 1:
+        hosts = headers.get("host", [])
+        if len(hosts) != 1:
             raise Refusal(_OTHER_HOST)
-        host = given[0].lower()
+        host = hosts[0].lower()
         if host not in self.hosts and not self._is_where_it_arrived(host, scope):
             raise Refusal(_OTHER_HOST)
         return host
@@ -184,14 +184,14 @@ class Guard:
         return (plain, f"{plain}s") if host in self._public_hosts else (plain,)
 
     def _given_cookie(self, headers: dict[str, list[str]]) -> str:
-        given = ""
+        cookie = ""
         for line in headers.get("cookie", []):
             try:
                 morsel = SimpleCookie(line).get(self.cookie)
             except CookieError:
                 continue
-            given = morsel.value if morsel is not None else given
-        return given
+            cookie = morsel.value if morsel is not None else cookie
+        return cookie
 
     def _welcome(self) -> Response:
         """A page that keeps the key, then goes on to the page itself without the token.
@@ -199,14 +199,14 @@ class Guard:
         It is a page and no redirect: one that comes from a file would go on as from elsewhere, and
         browsers would leave out the cookie.
         """
-        given, nonce = self._browsers.admit(), secrets.token_urlsafe(16)
+        admitted, nonce = self._browsers.admit(), secrets.token_urlsafe(16)
         headers = {"Cache-Control": "no-store", **headers_for("data")}
         headers["Content-Security-Policy"] += f"; script-src 'nonce-{nonce}'"
         headers["Referrer-Policy"] = "no-referrer"
-        response = HTMLResponse(_ENTRY.format(nonce=nonce, key=given.key), 200, headers)
+        response = HTMLResponse(_ENTRY.format(nonce=nonce, key=admitted.key), 200, headers)
         response.set_cookie(
             self.cookie,
-            given.cookie,
+            admitted.cookie,
             max_age=int(LONGEST_S),  # as long as it is known, so that a bookmark leads in
             path="/",
             httponly=True,
@@ -239,10 +239,12 @@ location.replace("/");
 
 def _headers(scope: Scope) -> dict[str, list[str]]:
     """All values of every header: a header sent twice must not pass as either."""
-    found: dict[str, list[str]] = {}
+    values_of_header: dict[str, list[str]] = {}
     for name, value in scope["headers"]:
-        found.setdefault(name.decode("latin-1").lower(), []).append(value.decode("latin-1"))
-    return found
+        values_of_header.setdefault(name.decode("latin-1").lower(), []).append(
+            value.decode("latin-1")
+        )
+    return values_of_header
 
 
 def _check_origin(
@@ -293,8 +295,8 @@ def _given_key(headers: dict[str, list[str]]) -> str | None:
 
 def _split(host: str) -> tuple[str, int | None]:
     """Host and port, as a Host header says them."""
-    found = re.fullmatch(r"(\[[0-9a-f:.]+\]|[0-9.]+)(?::(\d{1,5}))?", host)
-    return (found[1], int(found[2]) if found[2] else None) if found else ("", None)
+    match = re.fullmatch(r"(\[[0-9a-f:.]+\]|[0-9.]+)(?::(\d{1,5}))?", host)
+    return (match[1], int(match[2]) if match[2] else None) if match else ("", None)
 
 
 def _query(scope: Scope) -> dict[str, str]:
@@ -310,9 +312,9 @@ def _query(scope: Scope) -> dict[str, str]:
     except ValueError:  # UnicodeDecodeError is one
         raise unknown from None
     names = [name for name, _ in pairs]
-    known = next((n for path, n in _QUERIES if path.fullmatch(scope["path"])), frozenset())
+    names_read = next((n for path, n in _QUERIES if path.fullmatch(scope["path"])), frozenset())
     query = dict(pairs)
-    if len(query) != len(names) or not known.issuperset(names):
+    if len(query) != len(names) or not names_read.issuperset(names):
         raise unknown
     if SESSION in query and not _SESSION_ID.fullmatch(query[SESSION]):
         raise unknown

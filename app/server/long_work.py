@@ -29,8 +29,8 @@ TEXTS: TypeAdapter[dict[str, str | list[str]]] = TypeAdapter(dict[str, str | lis
 class LongWork:
     """Its routes, and the one that is under way. what: "export" or "import"."""
 
-    def __init__(self, store: Store, what: str) -> None:
-        self.store, self._what = store, what
+    def __init__(self, store: Store, kind: str) -> None:
+        self.store, self._what = store, kind
         self._id = ""
         self.process: SideProcess | None = None
         self._scratch: Scratch | None = None
@@ -38,11 +38,11 @@ class LongWork:
 
     def routes(self) -> list[Route]:
         """Where the page asks for all this."""
-        place, one = f"/{self._what}s", f"/{self._what}s/{{id}}"
+        place, of_id = f"/{self._what}s", f"/{self._what}s/{{id}}"
         return [
             Route(place, self._new, methods=["POST"]),
-            Route(one, self._state),
-            Route(one, self._leave, methods=["DELETE"]),
+            Route(of_id, self._state),
+            Route(of_id, self._leave, methods=["DELETE"]),
         ]
 
     async def begin(self, request: Request) -> Any:
@@ -83,9 +83,11 @@ class LongWork:
         """The order in a request; ValidationError or FormatError where it is none."""
         too_long = f"The order of an {self._what} is too long."
         texts = TEXTS.validate_json(await read_body(request, LARGEST_ORDER, too_long))
-        kind, known = str(texts.pop(key, "")), ", ".join(kinds)
+        kind, kinds_listed = str(texts.pop(key, "")), ", ".join(kinds)
         if kind not in kinds:
-            raise FormatError(f"There is no {self._what} {kind[:40]!r}; choose from {known}.")
+            raise FormatError(
+                f"There is no {self._what} {kind[:40]!r}; choose from {kinds_listed}."
+            )
         return read_order(kinds[kind], texts)
 
     def require_idle(self) -> None:

@@ -27,8 +27,8 @@ _MODULE_IMPORT = re.compile(r"""\b(?:from|import)\s*['"](\.{1,2}/[^'"]+\.js)['"]
 def _whole_sheet(sheet: Path) -> str:
     """A style sheet with those that it imports in their place."""
 
-    def imported(found: re.Match[str]) -> str:
-        return _whole_sheet(sheet.parent / found[1])
+    def imported(match: re.Match[str]) -> str:
+        return _whole_sheet(sheet.parent / match[1])
 
     return _SHEET_IMPORT.sub(imported, sheet.read_text(encoding="utf-8"))
 
@@ -106,16 +106,16 @@ class PageFiles(StaticFiles):
 
     def _led_to(self, entry: str) -> list[str]:
         """The modules that one imports, and those that they do, each once."""
-        found = [entry]
-        for name in found:  # which grows meanwhile
+        modules = [entry]
+        for name in modules:  # which grows meanwhile
             text = (self._folder / name).read_text(encoding="utf-8")
             led_to = (
                 posixpath.join(posixpath.dirname(name), to) for to in _MODULE_IMPORT.findall(text)
             )
             for each in map(posixpath.normpath, led_to):
-                if each not in found and (self._folder / each).is_file():
-                    found.append(each)
-        return found[1:]
+                if each not in modules and (self._folder / each).is_file():
+                    modules.append(each)
+        return modules[1:]
 
     def _index(self) -> str:
         return (self._folder / "index.html").read_text(encoding="utf-8")

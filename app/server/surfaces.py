@@ -138,8 +138,8 @@ class Surfaces:
 
     def _plan(self) -> None:
         """Look once the playhead rests, or when it is long ago."""
-        known = None if self._done is None else self._done.key
-        if self._busy or self._wanted is None or self._wanted.key == known:
+        done_key = None if self._done is None else self._done.key
+        if self._busy or self._wanted is None or self._wanted.key == done_key:
             return
         if self._later is not None:
             self._later.cancel()
@@ -164,8 +164,8 @@ class Surfaces:
                 traceback.print_exception(fault)
                 self._done = wanted
                 self._show(None)
-            elif (found := done.result()) is not None:
-                glb, self._known = found
+            elif (sampled := done.result()) is not None:
+                glb, self._known = sampled
                 self._done = wanted
                 self._show(glb)
                 self._loop.call_later(SETTLE_S, self._settle)
@@ -239,5 +239,5 @@ def _sample(wanted: WantedStep, surface_seen: SurfaceSeen) -> Found | None:
         return None, replace(surface_seen, frame=frame, problem=str(error), faces=0, rims=rims)
     low, high = surface.mesh.vertices.min(axis=0), surface.mesh.vertices.max(axis=0)
     x, y, z = (float(v) for v in (low + high) / 2)
-    seen = SurfaceSeen(frame, "", len(surface.mesh.faces), (x, y, z), rims, rated)
-    return skin(surface.mesh, surface.colours), seen
+    surface_shown = SurfaceSeen(frame, "", len(surface.mesh.faces), (x, y, z), rims, rated)
+    return skin(surface.mesh, surface.colours), surface_shown

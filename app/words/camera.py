@@ -117,7 +117,7 @@ def finding_sentence(*camera_findings: CameraFinding) -> str:
 def finding_sentences(camera_findings: Sequence[CameraFinding]) -> list[str]:
     """One for every kind, that of cuts first."""
     kinds = sorted(
-        dict.fromkeys(one.kind for one in camera_findings), key=lambda kind: kind != "cut"
+        dict.fromkeys(finding.kind for finding in camera_findings), key=lambda kind: kind != "cut"
     )
     return [
         finding_sentence(

@@ -18,17 +18,17 @@ def note_words(notes: Sequence[Note]) -> list[str]:
     return [_WORDS[note.oddity](*note.values) for note in notes]
 
 
-def _rows(said: str, found: int) -> str:
-    return f"The file says it has {said} frames and has {found}; all {found} were read."
+def _rows(said: str, actual: int) -> str:
+    return f"The file says it has {said} frames and has {actual}; all {actual} were read."
 
 
-def _markers(said: str, found: int) -> str:
-    return f"The file says it has {said} markers and names {found}."
+def _markers(said: str, actual: int) -> str:
+    return f"The file says it has {said} markers and names {actual}."
 
 
 def _beyond(count: int, last: int) -> str:
-    some = "1 frame" if count == 1 else f"{count} frames"
-    return f"Left out {some} outside the video, whose last frame is {last}."
+    frames_left_out = "1 frame" if count == 1 else f"{count} frames"
+    return f"Left out {frames_left_out} outside the video, whose last frame is {last}."
 
 
 def _undetermined(*parts: str) -> str:

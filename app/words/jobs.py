@@ -31,7 +31,7 @@ def about_words(seconds: float) -> str:
 
 def spans_text(spans: Sequence[Span]) -> str:
     """ "39–61" when the segments follow one another, else how many there are."""
-    if all(one[1] == other[0] for one, other in pairwise(spans)):
+    if all(before[1] == after[0] for before, after in pairwise(spans)):
         return f"{spans[0][0]}–{spans[-1][1]}"
     return f"{len(spans)} segments"
 

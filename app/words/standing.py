@@ -77,8 +77,8 @@ def _named(pin: Pin) -> str:
     return f"{part_label(pin.part)}, {named_frames(*pin.span)},"
 
 
-def _some(found: Sequence[T]) -> Sequence[T]:
-    return found[:MOST_NAMED]
+def _some(items: Sequence[T]) -> Sequence[T]:
+    return items[:MOST_NAMED]
 
 
 def lifted_words(drafts: int, keyframes: int) -> str:

@@ -100,18 +100,20 @@ def find_camera_motion(
     if not len(measured):
         none = np.zeros(0)
         return CameraMotion("static", None, none > 0, none, measured.points(), ())
-    known, cuts, pieces = scenes(measured.keyframe, measured.known, odometry.untied, odometry.cuts)
+    is_known, cuts, pieces = scenes(
+        measured.keyframe, measured.known, odometry.untied, odometry.cuts
+    )
     keyframes, readout = odometry.map.optimised(), odometry.shutter.share
-    turns = measured.turns(known, keyframes, odometry.map.frames, readout)
+    turns = measured.turns(is_known, keyframes, odometry.map.frames, readout)
     turns = _without_zoom(turns.bridged())
     focal = focal_scale(odometry.lens, odometry.scale, odometry.pairs)
     kind = fixed or _kind(turns, camera, odometry, focal)
     path = None if kind == "static" else turns.path()
-    error_px = np.where(known, measured.error_px, np.nan)
+    error_px = np.where(is_known, measured.error_px, np.nan)
     faded = are_faded(np.array(contrasts))
-    findings = tuple(_findings(measured, cuts, known, kind, odometry.shutter, faded))
+    findings = tuple(_findings(measured, cuts, is_known, kind, odometry.shutter, faded))
     points = measured.points()
-    return CameraMotion(kind, path, known, error_px, points, findings, focal, pieces)
+    return CameraMotion(kind, path, is_known, error_px, points, findings, focal, pieces)
 
 
 def _require_size(picture: Grey | None, camera: Camera) -> None:
@@ -174,7 +176,7 @@ def _ways(turns: Turns, camera: Camera) -> Array:
 def _findings(
     measured: Measurements,
     cuts: Sequence[int],
-    known: NDArray[np.bool_],
+    is_known: NDArray[np.bool_],
     kind: CameraKind,
     shutter: Shutter,
     faded: NDArray[np.bool_],
@@ -184,19 +186,21 @@ def _findings(
     Args:
         measured: all frames.
         cuts: first frames after a cut.
-        known: (N,) at which frames the camera is known.
+        is_known: (N,) at which frames the camera is known.
         kind: how it moves.
         shutter: what was learned of its readout.
         faded: (N,) which pictures are faint, or fade.
     """
-    causes = ["" if k else c or "no_texture" for c, k in zip(measured.causes, known, strict=True)]
+    causes = [
+        "" if k else c or "no_texture" for c, k in zip(measured.causes, is_known, strict=True)
+    ]
     causes = [
         "no_texture" if f and c == "not_rigid" else c for c, f in zip(causes, faded, strict=True)
     ]
     findings = gaps(causes)
     findings += [Finding("cut", frame, frame, 1.0) for frame in cuts]
     last = len(measured) - 1
-    shares = measured.share[known]
+    shares = measured.share[is_known]
     if kind != "moves" and len(shares) and (share := float(np.median(shares))) < AGREEING_SHARE:
         findings.append(Finding("not_rigid", 0, last, 1 - share))
     readout = shutter.reported()

@@ -110,7 +110,7 @@ class Likeness:
 
 def scenes(
     keyframe: NDArray[np.int64],
-    known: NDArray[np.bool_],
+    is_known: NDArray[np.bool_],
     untied: Sequence[int],
     cuts: Sequence[int],
 ) -> tuple[NDArray[np.bool_], list[int], tuple[int, ...]]:
@@ -119,24 +119,24 @@ def scenes(
 
     Args:
         keyframe: (N,) the number of the one that each frame was measured from.
-        known: (N,) at which frames the camera was measured.
+        is_known: (N,) at which frames the camera was measured.
         untied: keyframes that are tied to nothing before them.
         cuts: frames at which the picture changed wholly.
     """
-    known, begins = known.copy(), np.array([0, *untied, keyframe.max(initial=0) + 1])
+    is_known, begins = is_known.copy(), np.array([0, *untied, keyframe.max(initial=0) + 1])
     every = [
-        (keyframe >= first) & (keyframe < beyond) & known
+        (keyframe >= first) & (keyframe < beyond) & is_known
         for first, beyond in pairwise(begins.tolist())
     ]
     long = [scene for scene in every if scene.sum() >= FEWEST_SCENE] or every[:1]
-    known = np.logical_or.reduce(long)
+    is_known = np.logical_or.reduce(long)
     begun = [int(np.flatnonzero(scene)[0]) for scene in long[1:]]
-    ends = [0, *sorted(cuts), len(known)]
-    lasting = [known[first:beyond].sum() >= FEWEST_SCENE for first, beyond in pairwise(ends)]
+    ends = [0, *sorted(cuts), len(is_known)]
+    lasting = [is_known[first:beyond].sum() >= FEWEST_SCENE for first, beyond in pairwise(ends)]
     kept = [cut for k, cut in enumerate(sorted(cuts)) if lasting[k] and lasting[k + 1]]
-    frames = np.flatnonzero(known)
+    frames = np.flatnonzero(is_known)
     ends_before = [frames[frames < first].max(initial=-1) for first in (*begun, *kept)]
-    return known, kept, tuple(sorted({0, *(int(end) + 1 for end in ends_before)}))
+    return is_known, kept, tuple(sorted({0, *(int(end) + 1 for end in ends_before)}))
 
 
 def gaps(causes: Sequence[str]) -> list[Finding]:

@@ -148,7 +148,7 @@ class Measurements:
 
     def turns(
         self,
-        known: NDArray[np.bool_],
+        is_known: NDArray[np.bool_],
         keyframes: Sequence[Turn],
         frames: Sequence[int],
         readout: Array,
@@ -157,7 +157,7 @@ class Measurements:
         readout known from the start.
 
         Args:
-            known: (N,) at which frames the camera is known.
+            is_known: (N,) at which frames the camera is known.
             keyframes: the turn of each keyframe from the world.
             frames: in which each keyframe was set.
             readout: (2,) along u and v, as a share of the time between frames.
@@ -168,7 +168,7 @@ class Measurements:
         doubt = np.sqrt(rows["variance"])
         R = exp_rotation(moved[:, :3]) @ rows["R"]
         log_zoom = rows["log_zoom"] + moved[:, 3]
-        measured = Turns(R, log_zoom, known, doubt[:, 0], doubt[:, 1])
+        measured = Turns(R, log_zoom, is_known, doubt[:, 0], doubt[:, 1])
         return turns_through(measured, self.keyframe, keyframes, frames)
 
     def _column(self, name: str) -> NDArray[Any]:

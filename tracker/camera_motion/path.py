@@ -106,11 +106,11 @@ def _shares(doubts: Array) -> Array:
     return np.asarray(squares / squares[-1])
 
 
-def _step_doubts(doubt: Array, known: NDArray[np.bool_]) -> Array:
+def _step_doubts(doubt: Array, is_known: NDArray[np.bool_]) -> Array:
     """The doubt (N,) of the step that leads to each frame."""
-    own = np.where(known, np.minimum(doubt, UNKNOWN_DOUBT), UNKNOWN_DOUBT)
+    own = np.where(is_known, np.minimum(doubt, UNKNOWN_DOUBT), UNKNOWN_DOUBT)
     # a frame that is tied to nothing before it is well tied to what comes after
-    begins = known & (doubt >= UNKNOWN_DOUBT)
+    begins = is_known & (doubt >= UNKNOWN_DOUBT)
     before = np.where(begins, 0.0, own)
     return np.asarray(np.hypot(own, np.concatenate([before[:1], before[:-1]])))
 
@@ -145,11 +145,11 @@ def poses_through(Ts: Array, frames: Sequence[int], Ts_keyframes: Array) -> Arra
     return out
 
 
-def poses_bridged(Ts: Array, known: NDArray[np.bool_]) -> Array:
+def poses_bridged(Ts: Array, is_known: NDArray[np.bool_]) -> Array:
     """Poses (N, 4, 4), those that are not known on the straight way between their neighbours that
     are, or as these at the ends.
     """
-    at = np.flatnonzero(known)
+    at = np.flatnonzero(is_known)
     if not len(at) or len(at) == len(Ts):
         return Ts
     (Rs, ps), bridged = _placed(Ts), Ts.copy()

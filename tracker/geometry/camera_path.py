@@ -135,13 +135,13 @@ def corrected(
     )
     ratio = np.log([held[f].zoom / path.zoom[f] for f in frames])
     steps = np.ones(len(path) - 1) if untied is None else np.where(untied, 1.0, TIED)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
+    travelled = np.concatenate([[0.0], np.cumsum(steps)])
     Ts, zoom = path.Ts_camera_world.copy(), path.zoom.copy()
     for i, first in enumerate(frames):
         last = frames[i + 1] if i + 1 < len(frames) else len(path) - 1
         at, after = i, min(i + 1, len(frames) - 1)
-        length = max(way[last] - way[first], 1e-300)
-        shares = (way[first : last + 1] - way[first]) / length
+        length = max(travelled[last] - travelled[first], 1e-300)
+        shares = (travelled[first : last + 1] - travelled[first]) / length
         turn = rotation_between(drift[at, :3, :3], drift[after, :3, :3], shares)
         step = drift[after, :3, 3] - drift[at, :3, 3]
         by = transform(turn, drift[at, :3, 3] + shares[:, None] * step)

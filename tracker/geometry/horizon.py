@@ -44,8 +44,8 @@ def up_from_horizon(camera: Camera, a: ArrayLike, b: ArrayLike, up_camera: Array
         )
     normal = np.cross(rays[0], rays[1])
     up = normal / np.linalg.norm(normal)
-    known = np.asarray(up_camera, dtype=np.float64)
-    cosine = float(up @ known / np.linalg.norm(known))
+    up_before = np.asarray(up_camera, dtype=np.float64)
+    cosine = float(up @ up_before / np.linalg.norm(up_before))
     if abs(cosine) < math.cos(STEEPEST_RAD):
         raise CameraError("This line goes up, not across. Draw the horizon from side to side.")
     return frozen(math.copysign(1.0, cosine) * up)

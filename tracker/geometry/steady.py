@@ -92,9 +92,9 @@ class SteadyCamera:
         K_then = camera.K.copy()
         K_then[:2, :2] *= zoom
         H = camera.K @ self.Rs_steady_camera[frame] @ np.linalg.inv(K_then)
-        way = cv2.INTER_AREA if zoom > 1.2 else cv2.INTER_LINEAR
+        interpolation = cv2.INTER_AREA if zoom > 1.2 else cv2.INTER_LINEAR
         size = (camera.width, camera.height)
-        return np.asarray(cv2.warpPerspective(image, H, size, flags=way), dtype=np.uint8)
+        return np.asarray(cv2.warpPerspective(image, H, size, flags=interpolation), dtype=np.uint8)
 
     def pixels(self, uv: Array, frame: int) -> Array:
         """Where pixels (..., 2) of a frame would have been seen, with the lens's distortion."""

@@ -44,9 +44,9 @@ class UnsureUp:
     def sigma_along(self, direction: Array) -> float:
         """The standard deviation of how far up leans along a vector (3,), times its length."""
         across = _across(self.up)
-        known = across @ self.precision @ across.T + LEAST_PRECISION * np.eye(2)
+        precision_across = across @ self.precision @ across.T + LEAST_PRECISION * np.eye(2)
         along = across @ direction
-        return math.sqrt(float(along @ np.linalg.solve(known, along)))
+        return math.sqrt(float(along @ np.linalg.solve(precision_across, along)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +85,8 @@ class UpEvidence(UnsureUp):
         """
         along = self.up[2] * (np.array([0.0, 0.0, 1.0]) - self.up[2] * self.up)
         across = _across(self.up)
-        known = across @ self.precision @ across.T + LEAST_PRECISION * np.eye(2)
-        covariance = across.T @ np.linalg.inv(known) @ across
+        precision_across = across @ self.precision @ across.T + LEAST_PRECISION * np.eye(2)
+        covariance = across.T @ np.linalg.inv(precision_across) @ across
         covariance += spread**2 * np.outer(along, along)
         return UpEvidence.with_covariance(self.up, covariance, self.source)
 
@@ -111,8 +111,8 @@ class UpEstimate(UnsureUp):
     def sources(self) -> tuple[UpSource, ...]:
         """What it rests on: those that agree and weigh something beside each other."""
         whole = sum(float(np.trace(up_evidence.precision)) for up_evidence in self.used)
-        heavy = [one for one in self.used if np.trace(one.precision) >= LEAST_SHARE * whole]
-        return tuple(one.source for one in heavy)
+        heavy = [each for each in self.used if np.trace(each.precision) >= LEAST_SHARE * whole]
+        return tuple(each.source for each in heavy)
 
 
 def combined(evidence: Sequence[UpEvidence], prior: UpEvidence | None = None) -> UpEstimate | None:
@@ -122,9 +122,9 @@ def combined(evidence: Sequence[UpEvidence], prior: UpEvidence | None = None) ->
     leave a source out.
     """
     for count in range(len(evidence), 0, -1):
-        agreeing = [some for some in combinations(evidence, count) if _agree(some)]
+        agreeing = [subset for subset in combinations(evidence, count) if _agree(subset)]
         if agreeing:
-            used = min(agreeing, key=lambda some: _sigma_rad(*_mean(some)))
+            used = min(agreeing, key=lambda subset: _sigma_rad(*_mean(subset)))
             break
     else:
         return None

@@ -48,9 +48,9 @@ class Comparison:
 
     def reached(self, froms: Frames, tos: Frames) -> NDArray[np.bool_]:
         """(len(tos),) whether interpolation from any of the frames leads there within limits."""
-        found = np.zeros(len(tos), dtype=np.bool_)
-        reached_from(*self._arrays, froms, tos, self._work(), found)
-        return found
+        is_reached = np.zeros(len(tos), dtype=np.bool_)
+        reached_from(*self._arrays, froms, tos, self._work(), is_reached)
+        return is_reached
 
     def costs(self, froms: Frames, tos: Frames) -> Array:
         """(len(froms), len(tos)) the sum over the frames between of the squared miss; infinite
@@ -61,9 +61,9 @@ class Comparison:
 
     def misses(self, first: int, last: int) -> Array:
         """(last − first − 1,) the miss of each frame between two."""
-        found = np.zeros(max(last - first - 1, 0))
-        interval_misses(*self._arrays, first, last, self._work(give_up=False), found)
-        return np.sqrt(found)
+        squares = np.zeros(max(last - first - 1, 0))
+        interval_misses(*self._arrays, first, last, self._work(give_up=False), squares)
+        return np.sqrt(squares)
 
     def _work(self, give_up: bool = True) -> IntervalWork:
         P = self.skeleton.part_count

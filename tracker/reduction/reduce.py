@@ -53,21 +53,21 @@ def fewest_frames(
         if comparison.reached(layers[-1], frames[-1:])[0]:
             layers.append(frames[-1:])
             break
-        found = _reached(comparison, layers[-1], left, progress, len(frames) - len(left))
-        layers.append(left[found])
-        left = left[~found]
+        is_reached = _reached(comparison, layers[-1], left, progress, len(frames) - len(left))
+        layers.append(left[is_reached])
+        left = left[~is_reached]
     return _cheapest(comparison, layers, int(frames[-1]))
 
 
 def _reached(
     comparison: Comparison, froms: Frames, tos: Frames, progress: Callable[[int], None], before: int
 ) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    found = np.zeros(len(tos), dtype=np.bool_)
+    is_reached = np.zeros(len(tos), dtype=np.bool_)
     for start in range(0, len(tos), FEWEST_AT_A_TIME):
         rows = slice(start, start + FEWEST_AT_A_TIME)
-        found[rows] = comparison.reached(froms, tos[rows])
-        progress(before + int(found.sum()))
-    return found
+        is_reached[rows] = comparison.reached(froms, tos[rows])
+        progress(before + int(is_reached.sum()))
+    return is_reached
 
 
 def _cheapest(comparison: Comparison, layers: list[Frames], last: int) -> list[int]:
@@ -84,8 +84,8 @@ def _cheapest(comparison: Comparison, layers: list[Frames], last: int) -> list[i
         ways.append(dict(zip(layer.tolist(), goals[best].tolist(), strict=True)))
         goals, costs = layer[on_path], least[on_path]
     path = [int(layers[0][0])]
-    for way in reversed(ways):
-        path.append(way[path[-1]])
+    for before in reversed(ways):
+        path.append(before[path[-1]])
     return path
 
 
@@ -123,8 +123,8 @@ def spread_frames(
         ways.append(reached.argmin(axis=0).astype(np.uint16))
         sums = reached.min(axis=0)
     path = [count - 1]
-    for way in reversed(ways):
-        path.append(path[-1] - 1 - int(way[path[-1]]))
+    for before in reversed(ways):
+        path.append(path[-1] - 1 - int(before[path[-1]]))
     return [int(frames[k]) for k in reversed(path)]
 
 
@@ -225,10 +225,10 @@ def _after(report: Callable[[int], None], before: int, reached: int) -> None:
 
 def _misses(comparison: Comparison, kept: Sequence[int]) -> Array:
     """(N,) of every frame."""
-    misses, known = np.full(len(comparison.motion), np.nan), comparison.known
+    misses, is_known = np.full(len(comparison.motion), np.nan), comparison.known
     misses[kept] = 0.0
     for a, b in pairwise(kept):
-        misses[a + 1 : b] = np.where(known[a + 1 : b], comparison.misses(a, b), np.nan)
+        misses[a + 1 : b] = np.where(is_known[a + 1 : b], comparison.misses(a, b), np.nan)
     return misses
 
 

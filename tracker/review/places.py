@@ -162,7 +162,7 @@ def _tracked(judged_segments: JudgedSegments, doc: Session, results: Results) ->
     places = [*_in_segments(judged_segments), *_in_space(judged_segments, doc, results)]
     kept: list[Place] = []
     for place in _worst_first(places):
-        if not any(_is_same(judged_segments, place, other) for other in kept):
+        if not any(_is_same(judged_segments, place, kept_place) for kept_place in kept):
             kept.append(place)
     return kept
 
@@ -196,7 +196,7 @@ def _in_segments(judged_segments: JudgedSegments) -> Iterator[Place]:
 def _in_space(judged_segments: JudgedSegments, doc: Session, results: Results) -> Iterator[Place]:
     """Feet that leave the floor and what their pins do to legs: as large as it would be seen from
     the side."""
-    findings = [found for stretch in results.space(doc) for found in stretch.findings]
+    findings = [finding for stretch in results.space(doc) for finding in stretch.findings]
     for space_finding in findings:
         as_px = _SIZES.get(space_finding.kind)
         if (
@@ -316,12 +316,12 @@ def _is_unclear(doc: Session, place: Place) -> bool:
 
 def _right_px(judged_segments: JudgedSegments) -> float | None:
     """Pixels by which a right joint may be off: as is told of such, or as is no doubt yet."""
-    found = [
+    right_errors = [
         max(px, IN_DOUBT * (judged_segments.height_px(track) or 0.0))
         for track in judged_segments.tracks.values()
         if (px := right_error_px(track)) is not None
     ]
-    return float(np.median(found)) if found else None
+    return float(np.median(right_errors)) if right_errors else None
 
 
 def _mean(judged_segments: JudgedSegments) -> tuple[float | None, float | None]:

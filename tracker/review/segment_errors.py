@@ -85,10 +85,10 @@ def part_errors_px(track: SegmentResult) -> Array | None:
     expected = track.diagnostics.expected_error
     if expected is None or not track.finished:
         return None
-    known = track.where_tracked(expected)
-    if not np.isfinite(known).any():
+    tracked_errors = track.where_tracked(expected)
+    if not np.isfinite(tracked_errors).any():
         return None
-    return np.where(np.isfinite(known), known, -np.inf)
+    return np.where(np.isfinite(tracked_errors), tracked_errors, -np.inf)
 
 
 def depth_errors_m(track: SegmentResult) -> Array | None:
@@ -104,8 +104,8 @@ def right_error_px(track: SegmentResult) -> float | None:
     """Pixels by which joints that are right are expected to be off; None where none is observed."""
     errors = part_errors_px(track)
     inside = np.zeros(0) if errors is None else errors[1:-1]
-    some = inside[inside > 0]
-    return float(np.quantile(some, RIGHT_SHARE)) if len(some) else None
+    positive = inside[inside > 0]
+    return float(np.quantile(positive, RIGHT_SHARE)) if len(positive) else None
 
 
 def best_row(track: SegmentResult, part: int, first: int, last: int) -> int:
@@ -197,12 +197,12 @@ def unseen_share(track: SegmentResult, part: int, frames: Span) -> float:
 
 def longest_occlusion(track: SegmentResult) -> tuple[int, Span] | None:
     """The part that goes unseen for the longest run of frames, and that run."""
-    found = []
+    hidden_runs = []
     for part, column in enumerate(track.diagnostics.observability.T):
-        found += [(last - first + 1, first, part) for first, last in runs(column < HIDDEN)]
-    found = [run for run in found if run[0] >= HIDDEN_FRAMES]
-    if not found:
+        hidden_runs += [(last - first + 1, first, part) for first, last in runs(column < HIDDEN)]
+    hidden_runs = [run for run in hidden_runs if run[0] >= HIDDEN_FRAMES]
+    if not hidden_runs:
         return None
-    length, start, part = max(found, key=lambda run: (run[0], run[1], run[2]))
+    length, start, part = max(hidden_runs, key=lambda run: (run[0], run[1], run[2]))
     first = track.first + 1 + start
     return part, (first, min(first + length - 1, track.last - 1))

@@ -209,9 +209,9 @@ class JudgedSegments:
             return None
         origin, direction = self.camera.ray_to(end)
         pose, near = track.trajectory.pose(frame), NEAR_M / float(direction[2])
-        seen = parts_on_ray(self.skeleton, pose, origin, direction, near)
+        parts_seen = parts_on_ray(self.skeleton, pose, origin, direction, near)
         limb = self.limb_of(part)
-        return seen[0] if seen and self.index(seen[0]) not in limb else None
+        return parts_seen[0] if parts_seen and self.index(parts_seen[0]) not in limb else None
 
     def answer(self, part: str | None, frame: int, span: Span | None = None) -> Reviewed | None:
         """What a person said of a part at a frame, where the motion is still that; the

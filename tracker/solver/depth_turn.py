@@ -31,10 +31,10 @@ def turned_in_depth(skeleton: Skeleton, camera: Camera, pose: Pose, top: int) ->
     points = joints_and_landmarks(skeleton)
     places, uv = points.points, camera.project(points.at(pose_transforms(skeleton, pose)))
     starts = [_mirrored(skeleton, pose, top, ends) for ends in (True, False)]
-    found = fit_picture(skeleton.body, camera, places, uv, np.ones(len(places)), starts).pose
+    mirrored = fit_picture(skeleton.body, camera, places, uv, np.ones(len(places)), starts).pose
     if top == 0:
-        return found
-    Rs = np.where(skeleton.below[:, top, None, None], found.Rs_parent_part, pose.Rs_parent_part)
+        return mirrored
+    Rs = np.where(skeleton.below[:, top, None, None], mirrored.Rs_parent_part, pose.Rs_parent_part)
     return Pose(Rs, pose.p_camera_root)
 
 

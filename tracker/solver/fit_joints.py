@@ -102,9 +102,9 @@ def _fit_frame(
     skeleton = points.skeleton
     if not priors:
         priors = [aim_parts(points, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
-    known = np.asarray(np.isfinite(positions).all(-1))
+    is_known = np.asarray(np.isfinite(positions).all(-1))
     terms: list[Term] = [
-        PointsInSpace(points.only(known), positions[known], JOINT_M),
+        PointsInSpace(points.only(is_known), positions[is_known], JOINT_M),
         JointLimits(limits, LIMIT_RAD),
         *(_weak_prior(skeleton, pose) for pose in priors),
     ]
@@ -127,8 +127,8 @@ def _solve(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
 
 def _rms(points: BodyPoints, pose: Pose, positions: Array) -> float:
     away = points.at(pose_transforms(points.skeleton, pose)) - positions
-    known = np.isfinite(away).all(-1)
-    return float(np.sqrt((away[known] ** 2).sum(-1).mean())) if known.any() else np.nan
+    is_known = np.isfinite(away).all(-1)
+    return float(np.sqrt((away[is_known] ** 2).sum(-1).mean())) if is_known.any() else np.nan
 
 
 def aim_parts(points: BodyPoints, positions: Array, rest: Pose) -> Pose:
@@ -138,10 +138,10 @@ def aim_parts(points: BodyPoints, positions: Array, rest: Pose) -> Pose:
     """
     skeleton = points.skeleton
     Rs, p_root = rest.Rs_parent_part.copy(), rest.p_camera_root
-    known = np.asarray(np.isfinite(positions).all(-1))
+    is_known = np.asarray(np.isfinite(positions).all(-1))
     Hs, os = np.empty_like(Rs), np.empty((skeleton.part_count, 3))
     for i, parent in enumerate(skeleton.parents):
-        still = [(j, p) for j, p in points.of_part(i) if known[j]]
+        still = [(j, p) for j, p in points.of_part(i) if is_known[j]]
         theirs = np.array([positions[j] for j, _ in still]).reshape(-1, 3)
         ours = np.array([p for _, p in still]).reshape(-1, 3)
         above = np.eye(3) if parent < 0 else Hs[parent]
@@ -177,8 +177,8 @@ def rigid(ps_from: Array, ps_to: Array) -> tuple[Array, Array]:
 
     Points of which one is NaN in either do not count.
     """
-    known = np.isfinite(ps_from).all(-1) & np.isfinite(ps_to).all(-1)
-    a, b = ps_from[known], ps_to[known]
+    is_known = np.isfinite(ps_from).all(-1) & np.isfinite(ps_to).all(-1)
+    a, b = ps_from[is_known], ps_to[is_known]
     R = nearest_rotation((b - b.mean(0)).T @ (a - a.mean(0)))
     return R, b.mean(0) - R @ a.mean(0)
 
@@ -204,11 +204,11 @@ def fit_picture(
     skeleton = free_skeleton(body)
     points, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
     ideal = camera.without_distortion()
-    seen = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
-    known = np.isfinite(seen).all(-1) & (weights > 0)
-    scale = np.sqrt(weights[known]) / JOINT_PX
+    ideal_uv = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
+    is_known = np.isfinite(ideal_uv).all(-1) & (weights > 0)
+    scale = np.sqrt(weights[is_known]) / JOINT_PX
     terms: list[Term] = [
-        PointsInPicture(points.only(known), ideal, seen[known], scale, NEAREST_M),
+        PointsInPicture(points.only(is_known), ideal, ideal_uv[is_known], scale, NEAREST_M),
         JointLimits(limits, LIMIT_RAD),
     ]
     if near is not None:

@@ -162,8 +162,8 @@ class Placed:
         kernel: Kernel,
     ) -> float:
         """What it costs that places are seen at uv (N, J, 2), scale (N, J) in 1/px."""
-        parts, seen = (self.Rs_camera_part, self.ps_camera_part), (lens_of(camera), uv, scale)
-        return float(picture_cost(places, *parts, *seen, nearest_m, *numbered(kernel)))
+        parts, picture = (self.Rs_camera_part, self.ps_camera_part), (lens_of(camera), uv, scale)
+        return float(picture_cost(places, *parts, *picture, nearest_m, *numbered(kernel)))
 
     def add_picture(
         self,
@@ -205,7 +205,7 @@ class Placed:
         self, places: Places, depth: Array, scale: Array, kernel: Kernel, A: Array, b: Array
     ) -> float:
         """The same, and A, b += the normal equations."""
-        known = depth, scale, *numbered(kernel)
+        measured = depth, scale, *numbered(kernel)
         return float(
             add_depth(
                 self.chain,
@@ -213,7 +213,7 @@ class Placed:
                 self.Rs_camera_part,
                 self.ps_camera_part,
                 self.twists,
-                *known,
+                *measured,
                 A,
                 b,
             )

@@ -179,8 +179,8 @@ class BodyPoints:
         """Some of the places (J,)."""
         if chosen.all():
             return self  # with its cached arrays
-        some = (place for place, wanted in zip(self.points, chosen, strict=True) if wanted)
-        return BodyPoints(self.skeleton, tuple(some))
+        chosen_places = (place for place, wanted in zip(self.points, chosen, strict=True) if wanted)
+        return BodyPoints(self.skeleton, tuple(chosen_places))
 
     def of_part(self, part: int) -> list[tuple[int, Array]]:
         """Single points that are fixed in a part's frame, with their position there: its own, and

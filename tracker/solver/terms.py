@@ -81,13 +81,13 @@ class Rows:
     cost: float
 
     @classmethod
-    def stacked(cls, some: Sequence[Rows]) -> Rows:
+    def stacked(cls, blocks: Sequence[Rows]) -> Rows:
         """All of them, to be multiplied out at once."""
-        some = [rows for rows in some if rows.r.size] or some[:1]
-        if len(some) == 1:
-            return some[0]
-        r, J = [rows.r for rows in some], [rows.J for rows in some]
-        cost = sum(rows.cost for rows in some)
+        blocks = [rows for rows in blocks if rows.r.size] or blocks[:1]
+        if len(blocks) == 1:
+            return blocks[0]
+        r, J = [rows.r for rows in blocks], [rows.J for rows in blocks]
+        cost = sum(rows.cost for rows in blocks)
         return cls(np.concatenate(r, axis=-1), np.concatenate(J, axis=-2), cost)
 
 
