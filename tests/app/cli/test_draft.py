@@ -16,6 +16,7 @@ from keypose.app.cli import draft
 from keypose.app.cli.main import main
 from keypose.tracker.body.modify import height
 from keypose.tracker.fitting.draft import DraftProgress
+from keypose.tracker.keypoints import find_people
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.sidecars import keypoints_of_session
@@ -179,8 +180,12 @@ NOT_ONE = {
 
 @pytest.mark.parametrize("who", NOT_ONE)
 def test_several_people_are_listed_and_nobody_is_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], who: str
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    who: str,
 ) -> None:
+    monkeypatch.setattr(find_people, "FRAMES", 2)
     sample, words = NOT_ONE[who]
     video = BALANCE.parent / sample / f"{sample}.mp4"
     at = ("--frame", "25") if who == "several" else ()

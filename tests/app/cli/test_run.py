@@ -60,6 +60,7 @@ def task(film: Path, session: Path, **said: Any) -> Task:
 def test_a_film_becomes_a_motion_on_its_floor_and_files_from_an_empty_folder(
     film: Path, tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(find_people, "FRAMES", 2)
     (tmp_path / "empty").mkdir()
     monkeypatch.chdir(tmp_path / "empty")
     assert run(film, "--frames", "0-24", "--out", "motion", "--export", "bvh") == 0

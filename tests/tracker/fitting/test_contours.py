@@ -182,6 +182,12 @@ def test_a_part_too_small_to_learn_its_colours_is_not_found() -> None:
     assert np.isnan(offsets(seen, few, 0, REACH_PX)).all()
 
 
+def test_a_body_that_fills_the_picture_leaves_no_background_to_learn() -> None:
+    seen, rgb = contour(), picture(2.0)
+    filled = replace(seen, shown=np.zeros_like(seen.shown))
+    np.testing.assert_array_equal(models(rgb, filled).odds_of, 0.0)
+
+
 # --- the empty scene
 
 

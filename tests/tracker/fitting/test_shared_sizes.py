@@ -75,6 +75,25 @@ def surface_rows(made: SharedFit, truth: Shared, k: int) -> Residuals:
     return replace(rows, target=rows.along(made.pixels(truth, k, rows)))
 
 
+# --- sizes of a body
+
+
+def test_the_trunk_is_what_has_no_other_side() -> None:
+    trunk = {BODY.names[i] for i in np.flatnonzero(PROPORTIONS.is_trunk)}
+    assert trunk == {"waist", "chest", "neck", "head"}
+    assert not Proportions.of(preset("box")).is_trunk.any(), "a thing has no sides at all"
+
+
+def test_a_length_stretches_along_the_part_and_a_thickness_across_it() -> None:
+    sizes = np.zeros(PROPORTIONS.count)
+    group = PROPORTIONS.names.index("forearm")
+    sizes[2 * group : 2 * group + 2] = np.log([1.2, 0.9])
+    ratios = PROPORTIONS.ratios(sizes)
+    for i, name in enumerate(BODY.names):
+        expected = (0.9, 1.2, 0.9) if name.endswith("forearm") else (1.0, 1.0, 1.0)
+        np.testing.assert_allclose(ratios[i], expected, err_msg=name)
+
+
 # --- how what is seen follows from what is unknown
 
 
