@@ -9,6 +9,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+import pytest
 from playwright.sync_api import Page
 
 from keypose.tracker.storage.files import load_session
@@ -25,6 +26,7 @@ from tests.browser.interaction import (
 )
 
 
+@pytest.mark.parametrize("drawn", [True])
 def test_the_whole_job(page: Page, sample: Path, tmp_path: Path) -> None:
     _looks_around(page)
     _selects_and_turns(page)
