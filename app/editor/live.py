@@ -36,6 +36,12 @@ def moved_spans(state: EditorState) -> tuple[Span, ...]:
     )
 
 
+def previewed_spans(state: EditorState) -> tuple[Span, ...]:
+    """Those of `moved_spans` that are tracked while the hand moves; the published method has no
+    previews."""
+    return () if state.doc.settings.method == "paper" else moved_spans(state)
+
+
 def at_hand(state: EditorState) -> EditorState:
     """The state as if the gesture were over, its motion bent to the keyframes that it moved; the
     state itself where it moved none."""

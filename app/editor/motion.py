@@ -35,7 +35,7 @@ from keypose.tracker.storage.results import rotations
 
 
 @dataclass(frozen=True, eq=False)
-class KnownMotion:
+class MotionInWorld:
     """frames: (N,) ascending.  Ts_world_part: (N, P, 4, 4) of the settled document's body."""
 
     frames: NDArray[np.int64]
@@ -52,7 +52,7 @@ def settled_skeleton(edit: EditorState) -> Skeleton:
     )
 
 
-def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) -> KnownMotion:
+def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) -> MotionInWorld:
     """The motion from first to last, both inside the segments: every stride-th frame, and
     the keyframes.
 
@@ -71,7 +71,7 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
             pose = posed.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     Ts = part_transforms(skeleton, Rs, ps)
-    return KnownMotion(frames, doc.film_camera.parts_to_world(Ts, frames))
+    return MotionInWorld(frames, doc.film_camera.parts_to_world(Ts, frames))
 
 
 def _met_poses(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
@@ -80,7 +80,7 @@ def _met_poses(edit: EditorState, doc: Session) -> Iterator[Keyframe]:
     yield from (draft for draft in doc.subject.drafts if counts(edit, draft))
 
 
-def known_motion(edit: EditorState, most: int) -> KnownMotion | None:
+def known_motion(edit: EditorState, most: int) -> MotionInWorld | None:
     """All that is known of the motion, thinned to about `most` moments; None without any: the
     frames of the segments, and those outside of them that are posed."""
     doc = edit.settled
@@ -99,8 +99,8 @@ def known_motion(edit: EditorState, most: int) -> KnownMotion | None:
 
 
 def _with_posed(
-    edit: EditorState, motion: KnownMotion | None, posed: list[Keyframe]
-) -> KnownMotion | None:
+    edit: EditorState, motion: MotionInWorld | None, posed: list[Keyframe]
+) -> MotionInWorld | None:
     """A motion and poses at other frames, by frame."""
     if not posed:
         return motion
@@ -114,7 +114,7 @@ def _with_posed(
         frames = np.append(frames, motion.frames)
         Ts = np.concatenate([Ts, motion.Ts_world_part])
     order = np.argsort(frames)
-    return KnownMotion(frames[order], Ts[order])
+    return MotionInWorld(frames[order], Ts[order])
 
 
 def _motions(edit: EditorState, frames: NDArray[np.int64]) -> Iterator[tuple[Array, Array]]:

@@ -98,11 +98,11 @@ class Store:
         self._tabs = Tabs()
         self._faults = Faults(self.note)
         self._queue = WorkQueue(loop, self._on_progress)
-        self._segments = SegmentTracker(self._queue, self)
+        self._space = SpaceSolving(self._queue, self)
+        self._segments = SegmentTracker(self._queue, self, self._space.anew)
         self._previews = HandPreviews(self._queue, self)
         self._fitter = Fitter(self._queue, self, self._segments)
         self._learner = DraftLearner(self._queue, self)
-        self._space = SpaceSolving(self._queue, self)
         waiting = (self._segments, self._previews, self._learner, self._space)
         self._queue.serve(*(client.go_on for client in waiting))
         self._people = PeopleLooker(self._queue, self, lambda people: self._set(people=people))
@@ -238,6 +238,7 @@ class Store:
         if before is None:
             return
         is_done = edit.stroke is None and edit.doc is not before.settled
+        is_over = before.stroke is not None and edit.stroke is None
         if is_done:
             self._segments.changed(before)
             self._previews.let_go()
@@ -245,11 +246,11 @@ class Store:
         elif moved_spans(edit) and edit.doc is not before.doc:
             self._segments.dragged()
             self._previews.dragged()
-        elif before.stroke is not None and edit.stroke is None:
+        elif is_over:
             self._previews.let_go()
         self._fitter.changed()
         self._learner.go_on()
-        if is_done:
+        if is_done or is_over:
             self._queue.go_on()
 
     def _set(self, **changes: Any) -> None:
@@ -373,7 +374,6 @@ class Store:
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
                 self._set(edit=self._app_state.edit.with_proposals_anew())
-                self._space.anew()
                 self._segments.track(action.what, action.frames)
             else:
                 self._fitter.ask(action)

@@ -16,15 +16,15 @@ from keypose.tracker.session.results import SpaceFinding
 
 WHOLE_BODY: Final = "Whole body"
 
-_DRAFTS: Final[Mapping[Reason, Callable[[str], str]]] = {
-    "start": lambda _: "first frame of the draft",
-    "end": lambda _: "last frame of the draft",
-    "pose": lambda _: "extreme pose of the motion",
-    "residual": lambda part: f"{part} may be off",
-    "hidden": lambda part: f"{part} hidden",
-    "flip": lambda part: f"{part} may point the other way",
-    "wrong": lambda part: f"{part} is wrong: correct it",
-    "person": lambda _: "may be another person from here on",
+_DRAFTS: Final[Mapping[Reason, str]] = {
+    "start": "first frame of the draft",
+    "end": "last frame of the draft",
+    "pose": "extreme pose of the motion",
+    "residual": "{part} may be off",
+    "hidden": "{part} hidden",
+    "flip": "{part} may point the other way",
+    "wrong": "{part} {is_are} wrong: correct {it}",
+    "person": "may be another person from here on",
 }
 
 
@@ -52,7 +52,12 @@ def reason_of_place(place: Place) -> str:
 def draft_reason(reason: Reason, parts: Sequence[str]) -> str:
     """Why a draft should be confirmed: "right forearm hidden". parts: names of those it is about,
     of the whole body without any."""
-    return _DRAFTS[reason](", ".join(map(readable, parts)) if parts else "the body")
+    is_many = len(parts) > 1
+    return _DRAFTS[reason].format(
+        part=", ".join(map(readable, parts)) if parts else "the body",
+        is_are="are" if is_many else "is",
+        it="them" if is_many else "it",
+    )
 
 
 def row_of_place(place: Place) -> tuple[str, str, str, str]:

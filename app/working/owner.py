@@ -1,4 +1,4 @@
-"""What the parts of the store ask of its owner."""
+"""What work and files ask of the owner of the state."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from keypose.app.editor.live import moved_spans
+from keypose.app.editor.live import previewed_spans
 from keypose.app.jobs.track import Track, Tracked
 from keypose.app.working.owner import StateOwner
 from keypose.app.working.queue import Item, Priority, WorkQueue
@@ -23,8 +23,7 @@ class HandPreviews:
 
     def dragged(self) -> None:
         """A hand moved keyframes."""
-        edit = self._host.app_state.editing
-        self._is_newer = edit.doc.settings.method != "paper"
+        self._is_newer = True
         self.go_on()
 
     def let_go(self) -> None:
@@ -39,7 +38,7 @@ class HandPreviews:
         edit, opened = self._host.app_state.edit, self._host.opened
         if not self._is_newer or edit is None or edit.stroke is None or opened is None:
             return
-        keys = keys_of_spans(edit.doc, moved_spans(edit))
+        keys = keys_of_spans(edit.doc, previewed_spans(edit))
         wanted = [(*span, key) for span, key in keys.items()]
         if not wanted or not self._queue.is_free_for(Priority.HAND):
             return

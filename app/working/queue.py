@@ -24,7 +24,7 @@ class Priority(IntEnum):
     HAND = 1
     """A hand that drags: the motion beside it, for its newest pose."""
     PERSON = 2
-    """Whoever pressed a button: the newest of these goes before the one at work."""
+    """Whoever pressed a button, or edits with Live: the newest goes before the one at work."""
 
 
 def _take_nothing(_: Any) -> bool:
@@ -61,8 +61,8 @@ class Item:
 
 
 class WorkQueue:
-    """One item at a time. `notify` is called after each report, and whenever another item is at
-    work; its flag: something is to be saved.
+    """One item at a time. `notify` is called after each report of what is shown, and whenever
+    another item is at work; its flag: something is to be saved.
 
     What waits is kept by whoever it is of, and is made a job when its turn comes, of the state as
     it is then: where nothing is at work, the clients are asked in order until one begins something.
@@ -130,7 +130,7 @@ class WorkQueue:
             client()
 
     def show_waiting(self) -> None:
-        """Something else waits for what is at work."""
+        """What waits for what is at work is something else now, or nothing."""
         self._notify(False)
 
     def pause(self, on: bool) -> None:

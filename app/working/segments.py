@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias
 
 from keypose.app.editor.advice import why_nothing_to_do
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.live import let_go, moved_spans
+from keypose.app.editor.live import let_go, previewed_spans
 from keypose.app.editor.state import EditorState
 from keypose.app.jobs.job import Ended, Failed
 from keypose.app.jobs.progress import Wanted, reaching
@@ -31,8 +31,9 @@ SECONDS_TO_LEAVE = 3.0
 class SegmentTracker:
     """One order at a time; what a fit interrupts is tracked after it, as it is posed then."""
 
-    def __init__(self, queue: WorkQueue, host: StateOwner) -> None:
-        self._queue, self._host = queue, host
+    def __init__(self, queue: WorkQueue, host: StateOwner, begins: Callable[[], None]) -> None:
+        """begins: called whenever an order is given to the worker."""
+        self._queue, self._host, self._begins = queue, host, begins
         self._order: Track | None = None
         self._keep: tuple[str, ...] = ()
         """Keys of results that stay, whatever else is tracked."""
@@ -68,7 +69,7 @@ class SegmentTracker:
         doc = self._host.app_state.editing.doc
         if self.running and not self._queue.is_held and not {*self.running} & {*doc.spans}:
             self._queue.cancel()
-        if before.doc is doc and moved_spans(before):
+        if before.doc is doc and previewed_spans(before):
             self._host.know(let_go(before))
         edit = self._host.app_state.editing
         if not edit.display.live or self._host.opened is None or not doc.spans:
@@ -83,8 +84,8 @@ class SegmentTracker:
     def dragged(self) -> None:
         """A hand moved keyframes, with live on: what followed the last gesture, and this one
         outdates, is tracked no further."""
-        moved = moved_spans(self._host.app_state.editing)
-        if self._is_at_work() and self._follows and self._follows <= {*moved}:
+        previewed = previewed_spans(self._host.app_state.editing)
+        if self._is_at_work() and self._follows and self._follows <= {*previewed}:
             self.running, self._follows = {}, frozenset()
             self._queue.release()
 
@@ -101,6 +102,8 @@ class SegmentTracker:
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
         if wanted:
             self._start(edit.settled, wanted, self._stages)
+        else:
+            self._queue.show_waiting()
 
     @property
     def has_waiting(self) -> bool:
@@ -128,6 +131,7 @@ class SegmentTracker:
         assert opened is not None
         place, folder = opened.video.info.path, opened.session_path.parent
         order = Track.of(doc, place, wanted, stages, folder)
+        self._begins()
         self._order, self._follows = None, frozenset()
         self._keep = tuple(segment_keys(doc).values())
         self.running = dict.fromkeys(order.spans, Running())

@@ -1,8 +1,9 @@
 """What is to be checked of a segment in words: every cause once, for files, command line and page.
 
-Words may name {part}, {Part} at the beginning of a sentence, {first} and {last} frame, {frames} as
-"frames 31–36 are", {range} as "31–36", {span} of the segment and its {length}, {within} as
-", frames 31–36" where that is not all of it; {hidden} behind what, and from what it {differs}.
+Words of files name {part}, {first} and {last} frame; of the page also {frames}, as "frames 31–36
+are". A row, and a sentence by itself, name {Part}, {range} as "31–36", the segment's {span} and
+{length}, {within} as ", frames 31–36" where that is not all of it, {hidden} behind what, and from
+what it {differs}.
 """
 
 from __future__ import annotations

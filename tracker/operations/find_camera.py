@@ -223,15 +223,15 @@ def _with_its_lens(
 ) -> tuple[Camera, Found]:
     """The camera and its motion, with the focal length that the motion itself tells, where that is
     another one for sure and the background agrees better with it."""
-    moved_path, best = first, (camera, first)
+    latest, best = first, (camera, first)
     for _ in range(MOST_LENSES - 1):
-        focal = moved_path.focal
+        focal = latest.focal
         if focal is None or abs(np.log(focal.scale)) < max(SURE * focal.sigma, LEAST_OFF):
             break
         camera = camera.zoomed(focal.scale)
-        moved_path = again(camera)
-        if is_sound(moved_path) and _error(moved_path) < LEAST_GAIN * _error(first):
-            best = camera, moved_path
+        latest = again(camera)
+        if is_sound(latest) and _error(latest) < LEAST_GAIN * _error(first):
+            best = camera, latest
     return best
 
 

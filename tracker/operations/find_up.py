@@ -62,8 +62,7 @@ def estimated_up(
         )
     chosen = UpEvidence.of(up_of(session), _set_rad(session), "set")
     off = [
-        Disagreement(evidence_apart, apart_by(evidence_apart, chosen.up, chosen.precision))
-        for evidence_apart in evidence
+        Disagreement(source, apart_by(source, chosen.up, chosen.precision)) for source in evidence
     ]
     apart = tuple(disagreement for disagreement in off if disagreement.sigmas >= MOST_APART)
     return UpEstimate(chosen.up, chosen.precision, (chosen,), apart)

@@ -195,8 +195,8 @@ def _held(session: Session, pins: Sequence[Pin]) -> list[_Held]:
             if before is None:
                 held_points.append(_Held((pin,), point))
                 continue
-            joined = replace(before.point, last_frame=pin.last_frame)
-            held_points[held_points.index(before)] = _Held((*before.pins, pin), joined)
+            longer = replace(before.point, last_frame=pin.last_frame)
+            held_points[held_points.index(before)] = _Held((*before.pins, pin), longer)
     return held_points
 
 

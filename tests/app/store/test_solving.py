@@ -144,3 +144,26 @@ async def test_an_undone_keyframe_finds_the_motion_in_space_again(desk: Store) -
     (after,) = _pinned(desk)
     assert after is before
     assert len(_Tracking.newest.solved) == 1
+
+
+async def test_a_gesture_that_is_cancelled_leaves_the_solve_it_interrupted_to_go_on(
+    path: Path,
+) -> None:
+    async with opened_store(path) as desk:
+        tab = desk.join()
+        for message in (
+            TRACK,
+            {"do": "live", "on": True},
+            {"do": "go", "frame": 24},
+        ):
+            desk.receive(tab, message)
+        _Tracking.newest.track()
+        assert len(_Tracking.newest.solved) == 1
+        turn = {"do": "angles", "part": "head", "x": 20.0, "stroke": "drag"}
+        desk.receive(tab, turn)
+        assert isinstance(_Tracking.newest.jobs[-1], Track), "a hand goes first"
+        _Tracking.newest.report(Finished(len(_Tracking.newest.jobs)))
+        assert len(_Tracking.newest.solved) == 1, "while it moves the keyframe"
+        desk.receive(tab, {"do": "cancel_stroke", "stroke": "drag"})
+        assert len(_Tracking.newest.solved) == 2
+        assert desk.app_state.job.title.startswith("Smoothing")

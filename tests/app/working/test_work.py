@@ -100,12 +100,17 @@ class Work:
         self.noted: list[str] = []
         self.app_state = AppState(edit=desk())
         self.opened: Any = PIECE
-        self.queue = WorkQueue(None, self.news.append)  # type: ignore[arg-type]
-        self.segments = SegmentTracker(self.queue, self)  # type: ignore[arg-type]
-        self.previewing = HandPreviews(self.queue, self)  # type: ignore[arg-type]
+        self.queue = WorkQueue(None, self._hear)  # type: ignore[arg-type]
         self.space = SpaceSolving(self.queue, self)  # type: ignore[arg-type]
+        self.segments = SegmentTracker(self.queue, self, self.space.anew)  # type: ignore[arg-type]
+        self.previewing = HandPreviews(self.queue, self)  # type: ignore[arg-type]
         self.queue.serve(self.segments.go_on, self.previewing.go_on)
         self.request: Fit | None = None
+
+    def _hear(self, is_to_be_saved: bool) -> None:
+        self.news.append(is_to_be_saved)
+        self.shown = self.segments.running
+        """What the page has of the segments at work."""
 
     def know(self, results: Results) -> None:
         self.app_state = replace(self.app_state, edit=self.edit.with_results(results))
@@ -144,7 +149,6 @@ class Work:
 
     def track(self, edit: EditorState, scope: Any, frames: Any = None) -> None:
         self.shows(edit)
-        self.space.anew()
         self.segments.track(scope, frames)
 
     def changed(self, edit: EditorState, opened: Any = PIECE) -> None:
@@ -617,6 +621,22 @@ def test_after_a_fit_for_which_nothing_waited_all_is_quiet(work: Work) -> None:
     assert (work.job.state, work.running) == ("idle", {})
     assert len(work.orders.wanted) == 1
     assert work.news == [False]
+
+
+def test_what_waited_for_a_fit_and_is_gone_is_shown_no_longer(work: Work) -> None:
+    work.track(desk(), "all")
+    work.fit(Fit(3), lambda _: None)
+    assert len(work.shown) == 3
+    work.resume(few(1))
+    assert (work.job.state, work.running, work.shown) == ("idle", {}, {})
+
+
+def test_the_published_method_keeps_nothing_of_a_hand(work: Work) -> None:
+    paper = after(desk(), {"do": "settings", "method": "paper"}, LIVE, {"do": "go", "frame": 24})
+    state = moved(paper, 10)
+    work.dragged(state)
+    work.changed(after(state, {"do": "end_stroke", "stroke": "s"}))
+    assert len(work.results) == 0
 
 
 def test_a_fit_that_fails_is_reported_to_whoever_asked_for_it(work: Work) -> None:
