@@ -25,18 +25,20 @@ _SECONDS_TO_END = 5.0
 
 class Examiner:
     """Decodes the whole video once, in a thread of its own, and again where reading numbers its
-    frames anew; `found` receives what is damaged, `repeats` which frames are repeated."""
+    frames anew; `show_damage` receives what is damaged, `show_repeats` which frames are repeated.
+    """
 
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
         video: Video,
-        found: Callable[[VideoInfo], None],
-        repeats: Callable[[Repeats], None],
+        show_damage: Callable[[VideoInfo], None],
+        show_repeats: Callable[[Repeats], None],
     ) -> None:
-        """Both are called on the loop: `found` as often as more is known to be damaged or missing,
-        `repeats` when every frame has been decoded, where there are any."""
-        self._loop, self._video, self._found, self._repeats = loop, video, found, repeats
+        """Both are called on the loop: `show_damage` as often as more is known to be damaged or
+        missing, `show_repeats` when every frame has been decoded, where there are any."""
+        self._loop, self._video = loop, video
+        self._show_damage, self._show_repeats = show_damage, show_repeats
         self._known = Repeats()
         self._ended, self._reported = threading.Event(), video.info
         self._thread = threading.Thread(target=self._run, name="examining", daemon=True)
@@ -70,15 +72,15 @@ class Examiner:
             self._pass_on(self._video.info)
         if (repeats := self._video.repeats()) != self._known:
             self._known = repeats
-            self._loop.call_soon_threadsafe(self._report, self._repeats, repeats)
+            self._loop.call_soon_threadsafe(self._report, self._show_repeats, repeats)
 
     def _pass_on(self, info: VideoInfo) -> None:
         self._reported = info
-        self._loop.call_soon_threadsafe(self._report, self._found, info)
+        self._loop.call_soon_threadsafe(self._report, self._show_damage, info)
 
-    def _report(self, found: Callable[[T], None], what: T) -> None:
+    def _report(self, show: Callable[[T], None], news: T) -> None:
         if not self._ended.is_set():
-            found(what)
+            show(news)
 
 
 def _unusable(info: VideoInfo) -> frozenset[int]:

@@ -102,11 +102,11 @@ class Fitter:
             self._found = (end.result,)
             self.changed()
 
-    def _apply(self, job: Fit, found: Any) -> None:
+    def _apply(self, job: Fit, result: Any) -> None:
         self._request = self._found = self.following = None
         tracked = self._tracked()
         try:
-            after, words = job.apply(found, self._host.app_state)
+            after, words = job.apply(result, self._host.app_state)
             if words:
                 self._host.note("info", words)
             self._host.take(after)

@@ -37,13 +37,13 @@ class _Question:
 
 
 class KeypointFinder:
-    """Reads in a thread, one after the other; `found` is called on the loop with all that is known
+    """Reads in a thread, one after the other; `show` is called on the loop with all that is known
     about the newest state."""
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, found: Callable[[KnownKeypoints], None]
+        self, loop: asyncio.AbstractEventLoop, show: Callable[[KnownKeypoints], None]
     ) -> None:
-        self._loop, self._found = loop, found
+        self._loop, self._show = loop, show
         self._answers: list[tuple[_Question, Keypoints | None]] = []
         self._wanted: tuple[_Question, ...] = ()
         self._shown: tuple[_Question, ...] = ()
@@ -77,12 +77,12 @@ class KeypointFinder:
                 return
         self._shown = self._wanted
         of_file, of_segment = (keypoints for answer in answers for keypoints in answer or ())
-        self._found(KnownKeypoints(of_segment, of_file))
+        self._show(KnownKeypoints(of_segment, of_file))
 
     def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
         """None where it was not asked yet."""
         return next(
-            ((keypoints,) for known, keypoints in self._answers if _is_same(known, question)), None
+            ((keypoints,) for asked, keypoints in self._answers if _is_same(asked, question)), None
         )
 
     def _read_before(self, question: _Question) -> Keypoints | None:
@@ -95,8 +95,8 @@ class KeypointFinder:
         self._go_on()
 
 
-def _is_same(question: _Question, other: _Question) -> bool:
-    return unchanged(question.made_of, other.made_of)
+def _is_same(before: _Question, question: _Question) -> bool:
+    return unchanged(before.made_of, question.made_of)
 
 
 def _or_none(read: _Read) -> Keypoints | None:

@@ -14,16 +14,16 @@ from keypose.app.working.queue import Item, Priority, WorkQueue
 
 
 class PeopleLooker:
-    """Looks for people in a picture on which a box is about to be drawn, once a picture; `found`
+    """Looks for people in a picture on which a box is about to be drawn, once a picture; `show`
     receives the boxes by frame, None of a picture that could not be looked at to the end."""
 
     def __init__(
         self,
         queue: WorkQueue,
         host: StateOwner,
-        found: Callable[[Mapping[int, Boxes | None]], None],
+        show: Callable[[Mapping[int, Boxes | None]], None],
     ) -> None:
-        self._queue, self._host, self._found = queue, host, found
+        self._queue, self._host, self._show = queue, host, show
 
     def look(self, frame: int) -> None:
         """Begin, unless it is known, or something else is at work: then it may be asked again."""
@@ -39,6 +39,6 @@ class PeopleLooker:
         if self._host.opened is not opened:
             return
         boxes = end.result if isinstance(end, Finished) and not end.cancelled else None
-        self._found({**self._host.app_state.people, frame: boxes})
+        self._show({**self._host.app_state.people, frame: boxes})
         if isinstance(end, Failed):
             self._host.note("check", end.words)

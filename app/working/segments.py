@@ -173,15 +173,15 @@ class SegmentTracker:
         return isinstance(partial.found, SegmentFinished)
 
     def _on_tracked(self, step: Tracked) -> None:
-        found, span = step.found, step.found.result.span
-        if not isinstance(found, SegmentFinished):
+        event, span = step.found, step.found.result.span
+        if not isinstance(event, SegmentFinished):
             running = self.running.get(span, Running())
-            scores = (*(running.scores if found.number else ()), found.score)
-            number, of = found.number + 1, max(found.of, found.number + 1)
+            scores = (*(running.scores if event.number else ()), event.score)
+            number, of = event.number + 1, max(event.of, event.number + 1)
             at_work = Running("tracking", number, of, int(100 * step.share), scores)
             self.running = {**self.running, span: at_work}
         elif step.share >= 1:
-            self.running = {other: r for other, r in self.running.items() if other != span}
+            self.running = {key: run for key, run in self.running.items() if key != span}
 
     def _ended(self, end: Ended, order: Track) -> JobState:
         self.running = {}

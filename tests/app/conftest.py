@@ -15,6 +15,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.tracks import save_result
 from tests.app.cli_cases import tracker
 from tests.app.full_disks import mounted
+from tests.scenes import sample
 from tests.tracker import session_cases as cases
 
 
@@ -62,3 +63,9 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     """A disk with room for the session and a few edits."""
     with mounted(tmp_path / "disk", "640k") as place:
         yield place
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A session for the store."""
+    return sample(tmp_path)

@@ -44,8 +44,8 @@ from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.storage.sidecars import save_first_motion
 from keypose.tracker.tracking.ahead.follow import FoundAhead
 from tests.app.jobs.job_cases import reported, segment_done
-from tests.app.store.test_fitter import Desk, Worker
 from tests.app.store.test_store import _track
+from tests.app.working.test_fitting import Desk, Worker
 from tests.tracker.operations.space_cases import solution
 
 LEFT_OUT = (

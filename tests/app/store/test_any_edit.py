@@ -13,7 +13,7 @@ from keypose.app.store.tabs import Tab
 from keypose.app.working import queue
 from keypose.tracker.storage.files import load_session
 from tests.app.store.random_edits import RandomEdits
-from tests.app.store.test_fitter import Desk, Worker
+from tests.app.working.test_fitting import Desk, Worker
 from tests.scenes import at_desk, sample
 
 SEEDS = int(os.environ.get("KEYPOSE_TEST_EDITS", "3"))

@@ -30,7 +30,7 @@ from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.storage.sidecars import load_keypoints
 from keypose.tracker.tracking.result import SegmentResult
-from tests.app.store.test_fitter import Worker
+from tests.app.working.test_fitting import Worker
 from tests.scenes import SAMPLES, StoreDesk, at_desk, sample
 
 BOX = [100.0, 100.0, 300.0, 400.0]

@@ -11,7 +11,7 @@ import pytest
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import PLACES, changes
 from keypose.app.working import queue
-from tests.app.store.test_fitter import Desk, Worker
+from tests.app.working.test_fitting import Desk, Worker
 from tests.scenes import at_desk
 
 FOREARM = {"do": "angles", "part": "left_forearm"}

@@ -20,7 +20,7 @@ from keypose.tracker.reduction.result import Tolerance
 from keypose.tracker.session import Keyframe
 from keypose.tracker.storage.files import load_session, save_session
 from tests.app.jobs.job_cases import NUMBER, reported
-from tests.app.store.test_fitter import Desk, Worker, desk
+from tests.app.working.test_fitting import Desk, Worker, desk
 from tests.page.test_page_shapes import declared, differences
 from tests.scenes import at_desk, sample
 

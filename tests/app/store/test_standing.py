@@ -30,7 +30,7 @@ from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results
-from tests.app.store.test_fitter import Worker
+from tests.app.working.test_fitting import Worker
 from tests.scenes import StoreDesk, at_desk, sample
 from tests.tracker.operations.standing_cases import KEYS, results_of, session_of, walk, wandering
 from tests.tracker.operations.standing_cases import lines as upright

@@ -819,3 +819,16 @@ def test_what_nobody_waits_for_begins_only_where_nothing_is_at_work(work: Work) 
     assert asked == []
     work.orders.say(Finished(2))
     assert asked == ["first", "second"], "in the order of who goes first"
+
+
+def test_what_could_not_be_solved_is_asked_for_again_once_something_is_tracked(work: Work) -> None:
+    edit = tracked(smooth())
+    work.open(edit)
+    work.solve_space(edit)
+    work.orders.say(Failed(1, "Smoothing met a fault."))
+    work.solve_space(edit)
+    assert len(work.orders.solved) == 1
+    work.track(edit, "all")
+    work.orders.say(Finished(2))
+    work.solve_space(edit)
+    assert work.orders.solved == [work.orders.solved[0]] * 2

@@ -20,7 +20,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.networks import add_own
 from keypose.tracker.storage.sidecars import save_keypoints
-from tests.app.store.test_fitter import Worker
+from tests.app.working.test_fitting import Worker
 from tests.scenes import StoreDesk, at_desk, sample
 from tests.tracker.keypoints import tiny_networks as tiny
 

@@ -11,7 +11,7 @@ from keypose.app.jobs.find_people import FindPeople
 from keypose.app.jobs.job import Failed, Finished
 from keypose.app.working import queue
 from tests.app.store.test_drafting import DRAFT, Desk, desk, path
-from tests.app.store.test_fitter import Worker
+from tests.app.working.test_fitting import Worker
 
 __all__ = ["desk", "path"]
 BOXES = ((10, 20, 60, 220), (300, 100, 330, 180))

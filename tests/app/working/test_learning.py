@@ -13,7 +13,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
 from tests.app.store.test_drafting import BODY, DRAFT, Desk, desk, path
-from tests.app.store.test_fitter import Worker
+from tests.app.working.test_fitting import Worker
 from tests.scenes import at_desk
 
 __all__ = ["desk", "path"]
