@@ -36,7 +36,8 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
     """Follow the body as the session was asked for, save the drafts and print how far it came; the
     exit code.
 
-    session: as its file is to stand.  arguments: session, ahead, out, overwrite, json.
+    session: what is saved.  asked: the same with the command line's settings, for this run alone.
+    arguments: session, ahead, out, overwrite, json.
     """
     require_place(arguments)
     ways = _ways(session, arguments.ahead)

@@ -8,9 +8,9 @@ from typing import Any
 from keypose.app.cli.json_output import print_json
 from keypose.app.words.review import (
     answers_words,
-    left_words,
+    noise_floor_words,
     reason_of_place,
-    right_words,
+    remaining_words,
     row_of_place,
 )
 from keypose.tracker.review.places import Place, Review, review_of
@@ -81,4 +81,7 @@ def _table(review: Review, goal: int) -> list[str]:
     if review.answered:
         lines.append(answers_words(review.answered))
     so_far = " so far" if review.untracked else ""
-    return [*lines, f"{left_words(len(places), goal)}{right_words(review, goal)}{so_far}."]
+    return [
+        *lines,
+        f"{remaining_words(len(places), goal)}{noise_floor_words(review, goal)}{so_far}.",
+    ]

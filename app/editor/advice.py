@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Literal
 
 from keypose.app.editor.ahead import tracked_to, why_stopped
-from keypose.app.editor.outdated import stands
+from keypose.app.editor.outdated import still_leads_on
 from keypose.app.words.problems import add_keyframe, detail_of, frame_range, named_frames, reason
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.review.problems import (
@@ -46,7 +46,7 @@ class Suggestion:
     it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
     would help; "good" nothing.
     problem: the one that is spoken of.
-    ahead: tracking that way from the keyframes leads on; where this is about a frame, as well.
+    ahead: the direction in which tracking ahead is offered, also beside advice about a frame.
     """
 
     frame: int | None
@@ -227,7 +227,7 @@ def followed_suggestion(session: Session) -> Suggestion | None:
 
 def _is_worth_keying(session: Session, record: Ahead) -> bool:
     first, last = record.span
-    return last - first >= SHORT_FRAMES and stands(session, record)
+    return last - first >= SHORT_FRAMES and still_leads_on(session, record)
 
 
 def with_way_ahead(advised: Suggestion, keys: Sequence[int], session: Session) -> Suggestion:
@@ -248,7 +248,7 @@ def with_way_ahead(advised: Suggestion, keys: Sequence[int], session: Session) -
 
 def _way(keys: Sequence[int], session: Session) -> Direction | None:
     """Forward before backward; not again where it led to next to nothing."""
-    tried = {ahead.is_forward for ahead in session.subject.ahead if stands(session, ahead)}
+    tried = {ahead.is_forward for ahead in session.subject.ahead if still_leads_on(session, ahead)}
     after, before = session.view.video.frame_count - 1 - keys[-1], keys[0]
     if after >= SHORT_FRAMES and True not in tried:
         return "forward"

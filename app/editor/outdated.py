@@ -12,7 +12,7 @@ from keypose.tracker.storage.fingerprints import ahead_key
 def up_to_date(doc: Session) -> Session:
     """Without what was followed from a keyframe that is posed otherwise now, or is no longer the
     last one, or the first, that way."""
-    outdated = [record for record in doc.subject.ahead if not stands(doc, record)]
+    outdated = [record for record in doc.subject.ahead if not still_leads_on(doc, record)]
     return without_records(doc, outdated) if outdated else doc
 
 
@@ -21,7 +21,7 @@ def without_followed(doc: Session) -> Session:
     return without_records(doc, list(doc.subject.ahead))
 
 
-def stands(doc: Session, record: Ahead) -> bool:
+def still_leads_on(doc: Session, record: Ahead) -> bool:
     """Whether what was followed still leads on from where the keyframes end."""
     if not doc.subject.keyframes:
         return False

@@ -47,7 +47,8 @@ LEAST_JOINTS = 3
 FAR_M = 0.08
 """Mean distance from the keyframes' joints above which a motion starts elsewhere, or is another."""
 CLEARLY = 0.5
-"""Share of its distance that a motion may have where it is taken to start elsewhere."""
+"""Another start is taken where the motion is nearer to the keyframes than so large a share of its
+distance from them with the first one."""
 MOST_STARTS = 5_000
 """Frames of a video among which the start of a motion is searched."""
 FILLED = 0.8
@@ -106,7 +107,7 @@ def fit_to_session(
     require_limbs(skeleton, matches.places, file)
     points = BodyPoints(skeleton, tuple(matches.places))
     film_camera = session.film_camera
-    if motion.world == "camera":
+    if motion.world == "camera":  # then it lies where the camera was, wherever that went
         film_camera = FilmCamera(film_camera.lens)
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     start, notes = 0, motion.notes
@@ -122,7 +123,7 @@ def fit_to_session(
     _require_a_size(size / scale, file)
     near = _pose_per_frame(session.film_camera, posed, first, len(ps))
     reached = {f: p for f, p in posed.items() if _has_enough_joints(ps, f - first)}
-    if len(ps) == 1 and near[0] is not None:
+    if len(ps) == 1 and near[0] is not None:  # a pose is put where the body is about then
         reached = {first: near[0]}
     ps = ps * scale
     if reached:
@@ -136,7 +137,7 @@ def fit_to_session(
         notes += () if world == motion.world else (Note("z up at rest"),)
         ps = _before_camera(session, ps, world)
     if film_camera.path is not None:
-        ps = _seen(film_camera.path.between(first, first + len(ps) - 1), ps)
+        ps = _as_seen(film_camera.path.between(first, first + len(ps) - 1), ps)
     fit = fit_motion(session.subject.body, matches.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
     notes += implausible(skeleton, matches.places, bones, size, ps, fit)
@@ -252,7 +253,7 @@ def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int,
     return ps @ R.T + p
 
 
-def _seen(path: CameraPath, ps_world: Array) -> Array:
+def _as_seen(path: CameraPath, ps_world: Array) -> Array:
     """Places (N, J, 3) of the world in the camera's frame at every one of N frames."""
     T = path.Ts_camera_world
     return np.asarray(ps_world @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3])

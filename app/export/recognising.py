@@ -56,7 +56,7 @@ _KINDS: Final[Sequence[tuple[Kind, frozenset[str]]]] = (
 ENDINGS: Final = tuple(dict.fromkeys((*MOTION_READERS, *KEYPOINT_READERS, *CAMERA_READERS)))
 """Of the names of files that can be imported."""
 PICKLED: Final = (".pkl", ".pickle")
-"""Endings of what is refused with the remedy."""
+"""Endings of what is refused in a sentence that says what to do."""
 NOT_OFFERED: Final = (*PICKLED, ".txt")
 """Endings that a page does not offer: most text is no camera, and COLMAP's lenses lie beside it."""
 
@@ -208,8 +208,8 @@ def _numbered_as_video(file: str, people: People, video: VideoFacts) -> tuple[Pe
 
 
 def _recognised_camera(session: Session, path: Path, video: VideoInfo) -> Recognised:
-    """What is known of it without a look at the film; where it lies beside the film that is
-    reported, for another start frame may be chosen."""
+    """What is known of it without a look at the film. Frames that do not overlap the film's are a
+    note and no error, for another start frame may be chosen."""
     ending = path.suffix.lower()
     camera_file = load_camera(path, (session.view.camera.width, session.view.camera.height))
     notes = note_words(camera_file.notes)

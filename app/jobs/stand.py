@@ -67,8 +67,8 @@ def stood(
 
 
 def _seen(session: Session, path: Path) -> UpEvidence | None:
-    """What lines of a saved session's film show of up; beside up that is set they are but a check,
-    which a film that is gone does not have."""
+    """What lines of a saved session's film show of up. Where a person has set up, they only check
+    it, and a film that is gone is no error."""
     from keypose.tracker.storage.files import open_video_of  # loads what only this needs
 
     if not session.has_static_camera and session.camera_path is None:
@@ -130,11 +130,13 @@ class StandOnFloor(Fit):
             softened(keyframe, "depth" if keyframe.frame in done.softened else keyframe.soft)
             for keyframe in edit.doc.subject.keyframes
         )
-        fields["keyframes"] = tuple(keyframes)  # those that stay are the same
+        # Unchanged keyframes stay the same objects, by which others see that nothing changed.
+        fields["keyframes"] = tuple(keyframes)
         after = edit.with_step(edit.doc.changed(fields), LABEL)
+        # Sources that disagree are shown on a card, where a person chooses one.
         up = (
             FoundUp(done.up, seen_upright.lines, seen_upright.frame, after.doc)
             if done.up.apart
             else None
-        )  # to choose from
+        )
         return replace(state, edit=after, up=up), standing_words(done)

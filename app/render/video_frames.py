@@ -35,6 +35,7 @@ class Frames:
         """Frame `index` as this camera would have taken it with an ideal lens, with a pixel for
         every shrink × shrink.
 
+        version: another one for another lens, of which a picture is kept.
         VideoError where the video has no such frame.
         """
         which = (index, version, shrink)
@@ -89,7 +90,8 @@ def frame_or_grey(video: Video, index: int, shrink: int = 1) -> Picture:
         if missing.reason:
             _plates(grey, missing.reason, 0.7 * letter_px)
         else:
-            plate(grey, f"Frame {index} is damaged", *(round(letter_px),) * 2, letter_px)
+            margin_px = round(letter_px)
+            plate(grey, f"Frame {index} is damaged", margin_px, margin_px, letter_px)
         return shrunk(grey, shrink)
 
 

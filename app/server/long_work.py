@@ -27,7 +27,7 @@ TEXTS: TypeAdapter[dict[str, str | list[str]]] = TypeAdapter(dict[str, str | lis
 
 
 class LongWork:
-    """Its routes, and the one that is under way. what: "export" or "import"."""
+    """Its routes, and the one that is under way. kind: "export" or "import"."""
 
     def __init__(self, store: Store, kind: str) -> None:
         self.store, self._what = store, kind

@@ -114,7 +114,7 @@ class Outputs:
         frame = request.path_params["frame"]
         try:
             edit, video = await self._require_open()
-            drafted = has_drafted_keypoints(edit.settled)  # which has outlines, or nothing
+            drafted = has_drafted_keypoints(edit.settled)  # of which outlines are kept already
             keypoints = None if drafted else self._store.app_state.keypoints.of_segment
             content = await asyncio.to_thread(_person_png, edit, video, frame, keypoints)
         except KeyposeError as error:

@@ -46,7 +46,11 @@ class Saved:
 
 @dataclass(frozen=True)
 class Guide:
-    """The first pose: the steps that have been done, in whatever way, and the ends pulled."""
+    """How far a person is with the first pose.
+
+    first: whether it is the first one of this session.  done: names of the steps that were done, in
+    whatever way.  pulled: ends of limbs that were dragged.
+    """
 
     first: bool = False
     done: frozenset[str] = frozenset()
@@ -100,13 +104,17 @@ class SurfaceSeen:
 
 @dataclass(frozen=True, eq=False)
 class AppState:
-    """running: the segments at work, by (first, last).
+    """All that the page shows.
 
     server: differs for every start of the program.  revision: differs after every edit.
+    opened, edit: the open session's file, and what is edited of it; None where none is open.
+    job: what the worker does.  running: the segments at work, by (first, last).
+    tabs: how many show this.  guide: of the first pose.
+    fit, up: what the last fit, and the last look for up, did, until something else is edited.
     draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
     following: how far the body is tracked ahead.
-    preview: new sizes that wait to be applied.  reduction: keyframes that do.
+    preview: new sizes that wait to be applied.  reduction: reduced keyframes that do.
     poses: those that were kept.
     people: boxes around who was found, by frame, the tallest first; None where that was not done to
     the end.

@@ -66,15 +66,15 @@ def row_of_place(place: Place) -> tuple[str, str, str, str]:
     return str(place.frame), label_of_place(place), size, reason_of_place(place)
 
 
-def left_words(count: int, goal_px: float) -> str:
+def remaining_words(count: int, goal_px: float) -> str:
     """ "Nothing left above 5 px", "3 places left above 5 px"."""
     if not count:
         return f"Nothing left above {goal_px:g} px"
     return f"{count} place{'s' if count > 1 else ''} left above {goal_px:g} px"
 
 
-def right_words(review: Review, goal_px: float) -> str:
-    """Why a goal cannot be promised, to be put after `left_words`; mostly empty."""
+def noise_floor_words(review: Review, goal_px: float) -> str:
+    """Why a goal cannot be promised, to be put after `remaining_words`; mostly empty."""
     if review.right_px is None or review.right_px <= goal_px:
         return ""
     return f", but a joint that is right is off by {size_of(review.right_px, None)} in this video"
@@ -84,10 +84,10 @@ def answers_words(answered: Sequence[Reviewed]) -> str:
     """ "4 places reviewed, 3 accepted. Nobody can tell: right thigh at 49."; empty without one."""
     if not answered:
         return ""
-    left = [one for one in answered if one.answer == "unclear"]
+    unclear = [reviewed for reviewed in answered if reviewed.answer == "unclear"]
     count = len(answered)
-    counted = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(left)} accepted."
-    if not left:
+    counted = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(unclear)} accepted."
+    if not unclear:
         return counted
-    places = ", ".join(f"{readable(reviewed.part)} at {reviewed.frame}" for reviewed in left)
+    places = ", ".join(f"{readable(reviewed.part)} at {reviewed.frame}" for reviewed in unclear)
     return f"{counted} Nobody can tell: {places}."

@@ -3,8 +3,8 @@
 Only facts are here, and nothing that opens a file. What needs a decoder or a fit, and texts that
 only one interface shows, are in a `ByEvidence` table of the package concerned.
 
-A new kind, such as several films, is a new class in KINDS. If it derives from an existing kind, it
-is treated like that one wherever a table has no entry for it.
+A new kind, such as several films, is a new class in EVIDENCE_KINDS. If it derives from an existing
+kind, it is treated like that one wherever a table has no entry for it.
 """
 
 from __future__ import annotations

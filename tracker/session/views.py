@@ -101,5 +101,6 @@ class View(Plain):
 
     @model_validator(mode="before")
     @classmethod
-    def _is_of_usable_size(cls, data: Any) -> Any:
+    def _has_no_list_too_long(cls, data: Any) -> Any:
+        """Before anything of them is read."""
         return few(data)

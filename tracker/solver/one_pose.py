@@ -36,7 +36,10 @@ class PosePoint:
 
 @dataclass(frozen=True, eq=False)
 class OnePose(Problem[Pose, PosePoint]):
-    """The pose that agrees best with all terms; `floor` is damped besides the diagonal."""
+    """The pose that agrees best with all terms.
+
+    floor: damped besides the diagonal, so that what nothing observes stays where it is.
+    """
 
     skeleton: Skeleton
     terms: Sequence[Term]

@@ -24,7 +24,7 @@ MOST_CHANGE = 0.5
 """Mean grey levels by which a copy may differ from what it is a copy of: compression."""
 LEAST_CHANGE = 0.15
 """Mean grey levels before and after a copy, at least: less is what compression does to a picture in
-which nothing moves, most of it at keys."""
+which nothing moves, most of it at the codec's key frames."""
 LEAST_RATIO = 3.0
 """How many times as much the picture must change before and after a copy."""
 SHARE = 0.3

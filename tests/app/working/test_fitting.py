@@ -314,10 +314,19 @@ async def test_tracking_waits_for_the_fit_and_goes_on_after_it(desk: Desk) -> No
 
 
 async def test_tracking_goes_on_after_a_fit_that_was_cancelled(desk: Desk) -> None:
-    desk.do({"do": "track", "what": "all"}, FIT, {"do": "cancel"})
-    assert len(desk.worker.tracked) == 2
+    desk.do({"do": "track", "what": "all"}, FIT)
+    before = desk.worker.cancelled
     desk.do({"do": "cancel"})
     assert len(desk.worker.tracked) == 2
+    assert desk.worker.cancelled == before + 1, "the fit, and not what goes on after it"
+    desk.do({"do": "cancel"})
+    assert len(desk.worker.tracked) == 2
+
+
+async def test_what_waits_for_a_fit_waits_for_the_one_that_replaces_it(desk: Desk) -> None:
+    desk.do({"do": "track", "what": "all"}, FIT, {"do": "fit_sizes"})
+    assert desk.section("job")["words"] == "tracking continues after it"
+    assert len(desk.worker.tracked) == 1
 
 
 async def test_tracking_that_is_asked_for_during_a_fit_comes_after_it(desk: Desk) -> None:

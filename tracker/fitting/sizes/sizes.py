@@ -49,7 +49,7 @@ AGAIN_PX = (5.0, 5.0)
 with those alone that change."""
 MOST_LOOKED = 8
 """Keyframes whose pictures are looked at; where there are more, the others are posed anew only."""
-SEEN_SHARE = 2.0
+PRIOR_WIDER_WHERE_OFF = 2.0
 """So many times wider is the prior on sizes known to be off."""
 SURE = 2.5
 LEAST_PX = (2.0, 0.8)
@@ -158,8 +158,8 @@ def _find_sizes(
     implausible = np.zeros_like(changed)
     while changed.any():
         free = np.append(changed[:-1], fit.free[-1])
-        step = np.where(free, 0.0, -last.shared.values)
-        chosen = replace(fit, free=free, share=SEEN_SHARE * fit.usual)
+        step = np.where(free, 0.0, -last.shared.values)  # sizes that are held are the body's again
+        chosen = replace(fit, free=free, share=PRIOR_WIDER_WHERE_OFF * fit.usual)
         start = chosen.with_step(last.shared, step)
         again = estimate(chosen, start, pictures, looked, AGAIN_PX, cancelled)
         if again is None:
@@ -184,20 +184,22 @@ def _find_sizes(
     )
 
 
-def _is_least_likely(changed: NDArray[np.bool_], rounds: Estimate) -> NDArray[np.bool_]:
+def _is_least_likely(changed: NDArray[np.bool_], estimated: Estimate) -> NDArray[np.bool_]:
     """(S + 2,) the one value furthest beyond what is plausible; none where none is."""
-    change = np.abs(rounds.shared.values) * changed
+    change = np.abs(estimated.shared.values) * changed
     most = np.append(np.tile(PLAUSIBLE, (len(change) - 2) // 2), (PLAUSIBLE_FOCAL, np.inf))
     beyond = change / most
     return np.asarray((beyond > 1) & (beyond == beyond.max()))
 
 
-def _is_changed(fit: SharedFit, rounds: Estimate) -> NDArray[np.bool_]:
+def _is_changed(fit: SharedFit, estimated: Estimate) -> NDArray[np.bool_]:
     """(S + 2,) what changes by more than may be chance, and by enough to be seen."""
-    change = rounds.shared.values
+    change = estimated.shared.values
     focal = np.sqrt(fit.camera.fx * fit.camera.fy)
     distance = np.mean([fit.camera.depth(pose.p_camera_root) for pose in fit.posed])
-    moved_px = np.abs(np.expm1(rounds.shared.sizes)) * fit.proportions.metres() * focal / distance
+    moved_px = (
+        np.abs(np.expm1(estimated.shared.sizes)) * fit.proportions.metres() * focal / distance
+    )
     enough = moved_px > np.tile(LEAST_PX, len(fit.proportions.groups))
-    surely = np.abs(change) > SURE * rounds.spread
+    surely = np.abs(change) > SURE * estimated.spread
     return np.asarray(surely & np.append(enough, (abs(change[-2]) > LEAST_FOCAL, False)))

@@ -19,7 +19,7 @@ ONE_FRAME = replace(USUAL, most_steps=8, gain=0.0)
 
 
 def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory:
-    """The motion that the anchors give, smooth, within the limits, its ends the keyframes.
+    """The motion that keypoints give as anchors, smooth, within the limits, its ends the keyframes.
 
     Twice: from interpolation, and, `reach_far`, from following the keypoints frame by frame, which
     reaches what interpolation is too far from. With Huber's kernel first, which comes from afar,
