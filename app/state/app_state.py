@@ -48,8 +48,8 @@ class Saved:
 class Guide:
     """How far a person is with the first pose.
 
-    first: whether it is the first one of this session.  done: names of the steps that were done, in
-    whatever way.  pulled: ends of limbs that were dragged.
+    first: whether the session had no keyframe when it was opened.  done: names of the steps that
+    were done, in whatever way.  pulled: ends of limbs that were dragged.
     """
 
     first: bool = False
