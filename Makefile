@@ -69,7 +69,7 @@ bench: .venv/.ready-dev
 
 # What the commands above have made; the compiled loops in ~/.cache/keypose stay.
 clean:
-	rm -rf .venv out build $(NODE_TOOLS) *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
+	rm -rf .venv out build dist $(NODE_TOOLS) *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
 	    .import_linter_cache benchmarks.json
 	find app bench tracker tests sample_videos -name __pycache__ -prune -exec rm -rf {} +
 

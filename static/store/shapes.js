@@ -277,7 +277,7 @@
  * @property {number} first
  * @property {number} last
  * @property {number} go  The frame to look at.
- * @property {'pin' | 'floor' | 'turn' | 'soften' | 'smooth' | 'level' | 'lens' | 'untwist' | ''} remedy  What mends it with one press.
+ * @property {'pin' | 'floor' | 'turn' | 'soften' | 'smooth' | 'level' | 'lens' | 'untwist' | 'unpin' | ''} remedy  What mends it with one press.
  * @property {number[]} [keyframes]  Those that a pin contradicts.
  * @property {number} [cm]  By how much at most.
  */

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from keypose.app.editor.state import EditorState
 from keypose.app.state.app_state import AppState
-from keypose.app.store.sections import Sections
+from keypose.app.store.sections import Sections, space_values
+from keypose.app.words import problems, review
 from keypose.app.words.problems import space_sentence
 from keypose.app.words.review import reason_of_place
+from keypose.tracker.review import places
 from keypose.tracker.review.places import review_of
 from keypose.tracker.review.segment_errors import LEAST_PX
 from keypose.tracker.session.pins import Pin
@@ -169,3 +171,13 @@ def test_pinned_feet_on_a_slope_that_nobody_has_spoken_of_are_levelled_with_one_
     assert "cm in height: the camera’s tilt is a guess." in reported[0]["words"]
     level = after(uneven, {"do": "up_from_feet"})
     assert [one["kind"] for one in solved(level, found("slides", 0.06))] == ["slides"]
+
+
+def test_every_kind_of_finding_has_its_words_its_remedy_and_its_weight() -> None:
+    kinds = set(get_args(SpaceFinding.model_fields["kind"].annotation))
+    assert kinds == set(problems._SPACE_SENTENCES)
+    assert kinds == set(space_values._REMEDIES) == set(space_values._WEIGHTS)
+
+
+def test_what_is_reviewed_in_space_is_worded_there() -> None:
+    assert set(places._SIZES) == set(review._IN_SPACE)
