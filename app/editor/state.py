@@ -140,6 +140,12 @@ class EditorState:
         """The motion of the present segments."""
         return self.motion.fitting(self.doc)
 
+    @property
+    def finished(self) -> Fitting:
+        """The motion of the present segments whose tracking has ended: what is on its way does not
+        count."""
+        return {span: segment for span, segment in self.fitting.items() if segment.finished}
+
     def tracked(self, frame: int) -> Pose | None:
         """The tracked pose at a frame."""
         return pose_at(self.fitting, frame)

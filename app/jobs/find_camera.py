@@ -108,13 +108,8 @@ class FindCamera(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, asked: Asked) -> Self:
-        finished = {
-            span: segment_result
-            for span, segment_result in edit.fitting.items()
-            if segment_result.finished
-        }
         work_inputs = sent(opened, edit.doc, drafts=edit.doc.subject.drafts)
-        return cls(*work_inputs, asked.camera, finished)
+        return cls(*work_inputs, asked.camera, edit.finished)
 
     def work(self, session: Session, context: Context) -> FoundCamera:
         from keypose.tracker.operations import (

@@ -116,12 +116,7 @@ class FindUp(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Asked) -> Self:
-        finished = {
-            span: segment_result
-            for span, segment_result in edit.fitting.items()
-            if segment_result.finished
-        }
-        return cls(*sent(opened, edit.doc), edit.frame, finished)
+        return cls(*sent(opened, edit.doc), edit.frame, edit.finished)
 
     def work(self, session: Session, context: Context) -> FoundUp:
         from keypose.tracker.operations.find_up import (

@@ -151,7 +151,7 @@ def _posed(doc: Session, frame: int) -> Keyframe | None:
 def _near(edit: EditorState) -> dict[int, Pose]:
     """The tracked poses of frames near, this one too: it shows whether they were led through the
     pose to be fitted, and so hold its error. What tracking is on its way to does not count."""
-    finished = {span: track for span, track in edit.fitting.items() if track.finished}
+    finished = edit.finished
     around = range(edit.frame - NEAR_FRAMES, edit.frame + NEAR_FRAMES + 1)
     poses = {frame: pose_at(finished, frame) for frame in around}
     return {frame: pose for frame, pose in poses.items() if pose is not None}

@@ -99,12 +99,7 @@ class StandOnFloor(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Stand) -> Self:
-        finished = {
-            span: segment_result
-            for span, segment_result in edit.fitting.items()
-            if segment_result.finished
-        }
-        return cls(*sent(opened, edit.doc), finished, edit.frame)
+        return cls(*sent(opened, edit.doc), edit.finished, edit.frame)
 
     def work(self, session: Session, context: Context) -> tuple[Standing, SeenLines]:
         from keypose.tracker.operations.stand import stand  # loads what only this needs

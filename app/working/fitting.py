@@ -120,7 +120,7 @@ class Fitter:
     def _tracked(self) -> set[Span]:
         """The segments whose motion is as the session asks for it."""
         _, edit = self._current()
-        return {span for span, segment_result in edit.fitting.items() if segment_result.finished}
+        return set(edit.finished)
 
     def _current(self) -> tuple[OpenSession, EditorState]:
         opened, edit = self._host.opened, self._host.app_state.edit

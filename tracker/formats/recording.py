@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.body.angle_errors import angle_errors, in_metres
+from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.ground import Ground, ground_of, ground_of_camera
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.joint_angles import Joint, JointAngles, joint_angles
@@ -274,7 +275,7 @@ class Recording:
 
     def camera_at(self, row: int) -> Camera:
         """The camera with the focal length it has at a pose."""
-        return self.camera if self.seen_from is None else self.seen_from.camera_at(self.camera, row)
+        return FilmCamera(self.camera, self.seen_from).at(row)
 
     def with_ground(self) -> Recording:
         """The recording with its ground given, so that parts of it and filtered ones lie in the

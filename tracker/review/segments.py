@@ -13,6 +13,7 @@ import numpy as np
 
 from keypose.tracker.body.angle_errors import angle_errors, direction_errors, in_metres
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.joint_angles import Joint
 from keypose.tracker.body.limb_groups import limb_groups
 from keypose.tracker.body.modify import height
@@ -145,7 +146,7 @@ class JudgedSegments:
     def px_per_m_at(self, depth: float, frame: int) -> float:
         """Pixels that a metre across the line of sight spans at a depth, metres, at a frame."""
         assert self.camera is not None
-        camera = self.camera if self.path is None else self.path.camera_at(self.camera, frame)
+        camera = FilmCamera(self.camera, self.path).at(frame)
         return math.sqrt(camera.fx * camera.fy) / depth
 
     def error_cm(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
@@ -90,7 +91,7 @@ def drafted_over(
     if len(on_body.indices) < FEWEST or not np.isfinite(keypoints.uv).all():
         return None
     for frame, pose in posed.items():
-        here = camera if path is None else path.camera_at(camera, frame)
+        here = FilmCamera(camera, path).at(frame)
         if not _lies_on(keypoints.over(frame, frame), on_body, skeleton, pose, here):
             return None
     return keypoints

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.augmented import AugmentedNetwork
 from keypose.tracker.keypoints.blazepose import Seen
@@ -337,7 +338,7 @@ def _seeds(
     posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera, path: CameraPath | None
 ) -> list[Seed]:
     def seed(frame: int, pose: Pose) -> Seed:
-        here = camera if path is None else path.camera_at(camera, frame)
+        here = FilmCamera(camera, path).at(frame)
         return Seed(frame, Region.of_pose(skeleton, pose, here).rounded(SEED_PARTS))
 
     return [seed(frame, pose) for frame, pose in posed.items()]
