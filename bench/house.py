@@ -28,10 +28,8 @@ SOLVES = frozenset(
 """Functions by which a step of least squares is found."""
 ROBUST = re.compile(r"= \[?1 / \(1 \+ .*(?:squares|\*\* ?2)")
 """Weights of Cauchy, and of Geman and McClure, written out."""
-CONVERSIONS = re.compile(
-    r"\bcarried\w*|\b\w*to_world\b|\b\w*to_camera\b|\bin_world\b|\bcamera_at\(|\w+_seen_at\("
-)
-"""What carries a pose between the frames of camera and world."""
+CONVERSIONS = re.compile(r"carried|\w*to_world|\w*to_camera|\w*in_world|\w+_seen_at")
+"""Names of the functions that carry poses or points between the frames of camera and world."""
 CAUSES = frozenset(
     ("uncertain", "not_seen", "beyond_limits", "diverged", "damaged", "depth", "not_followed")
 )
@@ -136,10 +134,19 @@ def _without_comments(script: str) -> str:
 
 
 def conversions(tree: Tree) -> int:
-    """Places at which a pose is carried between camera and world."""
+    """Calls that carry poses or points between the frames of camera and world."""
     return sum(
-        len(CONVERSIONS.findall(text)) for text in tree.files(".py", "app", "tracker").values()
+        bool(CONVERSIONS.fullmatch(_called(node)))
+        for module in tree.product.values()
+        for node in ast.walk(module)
+        if isinstance(node, ast.Call)
     )
+
+
+def _called(call: ast.Call) -> str:
+    """The last word of what is called."""
+    function = call.func
+    return getattr(function, "attr", getattr(function, "id", ""))
 
 
 def solves_elsewhere(tree: Tree) -> int:

@@ -99,7 +99,7 @@ def effect(made: Made, session: Session, motion: Trajectory) -> Effect:
     skeleton, truth, before = made.skeleton, made.truth, tracked_of(made)
     rows = slice(0, len(motion))
     true = Trajectory(0, truth.Rs_parent_part[rows], truth.ps_camera_root[rows])
-    up = np.array(session.world.up_world or (0, -1, 0))
+    up = session.world.up
     world, pins = session.film_camera.motion_to_world(motion), session.subject.pins
     high = [foot_heights(skeleton, world, pin, up).ravel() for pin in pins if pin.floor]
     planted = _planted(made, true)

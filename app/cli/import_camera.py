@@ -20,7 +20,6 @@ from keypose.app.orders.imports import ImportCamera
 from keypose.app.words.camera import imported_words
 from keypose.app.words.imports import note_words
 from keypose.tracker.apart import reading_apart
-from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.formats.reading_camera import CameraFile, load_camera
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
@@ -49,7 +48,7 @@ def import_camera(arguments: argparse.Namespace) -> None:
 
 
 def _facts(made: Session, camera_file: CameraFile, path: Path) -> dict[str, Any]:
-    camera, up = made.view.camera, list(made.world.up_world or CAMERA_UP)
+    camera, up = made.view.camera, made.world.up.tolist()
     lens = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
     return {
         "written": str(path),

@@ -137,13 +137,13 @@ class Vertical(Edit):
             raise ActionRefused("Draw a longer line along something upright.")
         if self.other is not None:
             up = self._up_of_both(state, self.other)
-            return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, up))
+            return state.doc.with_up_seen(state.frame, up)
         up = up_from_vertical(state.camera, self.a, self.b)
         if not np.isfinite(up).all():
             raise ActionRefused(
                 "The lens shows nothing at one end of this line. Draw it nearer the centre."
             )
-        return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, up))
+        return state.doc.with_up_seen(state.frame, up)
 
     def _up_of_both(self, state: EditorState, second_line: tuple[Spot, Spot]) -> Array:
         if _crosses((self.a, self.b), second_line):
@@ -167,7 +167,7 @@ class LevelCamera(Edit):
     verb = "set the camera level"
 
     def apply(self, state: EditorState) -> Session:
-        return state.doc.with_up(state.doc.film_camera.direction_to_world(state.frame, CAMERA_UP))
+        return state.doc.with_up_seen(state.frame, CAMERA_UP)
 
 
 class TakeUp(Edit):

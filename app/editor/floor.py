@@ -9,7 +9,7 @@ import numpy as np
 
 from keypose.app.editor.camera import SHORTEST_PX
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.frames import up_in_world, up_of
+from keypose.app.editor.frames import up_of
 from keypose.app.editor.message import Edit
 from keypose.app.editor.pinned import default_landmarks
 from keypose.app.editor.shown import part_at, shown_pose
@@ -85,7 +85,7 @@ class Horizon(Edit):
             raise ActionRefused("Draw a longer line along the horizon.")
         lens = doc.film_camera.at(state.frame).without_distortion()
         up = up_from_horizon(lens, self.a, self.b, up_of(doc, state.frame))
-        levelled = doc.with_up(doc.film_camera.direction_to_world(state.frame, up))
+        levelled = doc.with_up_seen(state.frame, up)
         state = state.with_doc(levelled)
         if any(pin.landmarks for pin in doc.subject.pins):
             return _with_floor(state, _height_of_pins(state))
@@ -110,7 +110,7 @@ def uneven_feet_m(state: EditorState) -> float | None:
     if state.doc.world.up_world is not None or not state.doc.subject.pins:
         return None
     places, apart = _places_of_feet(state)
-    rise = float(np.ptp(places @ np.array(up_in_world(state.doc)))) if len(places) else 0.0
+    rise = float(np.ptp(places @ state.doc.world.up)) if len(places) else 0.0
     return rise if apart > LEAST_APART_M and rise > STEEP * apart else None
 
 
@@ -142,7 +142,7 @@ def _here(state: EditorState, part: str, landmarks: tuple[str, ...]) -> Pin:
 
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:
     """How high a pin's lowest point lies at a frame, metres along up in the world."""
-    return round(float((_points_at(state, pin, frame) @ np.array(up_in_world(state.doc))).min()), 4)
+    return round(float((_points_at(state, pin, frame) @ state.doc.world.up).min()), 4)
 
 
 def _height_of_pins(state: EditorState) -> float:

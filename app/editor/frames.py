@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.posing import (
-    CAMERA_UP,
     Eye,
     PointerView,
     eye_rotation,
@@ -28,16 +27,8 @@ from keypose.tracker.session.schema import Session
 
 def up_of(doc: Session, frame: int) -> tuple[float, float, float]:
     """The world's up direction in the frame of the camera at a frame."""
-    up, path = up_in_world(doc), doc.camera_path
-    if path is None:
-        return up
-    x, y, z = path.Ts_camera_world[frame, :3, :3] @ up
+    x, y, z = doc.film_camera.T_camera_world(frame)[:3, :3] @ doc.world.up
     return float(x), float(y), float(z)
-
-
-def up_in_world(doc: Session) -> tuple[float, float, float]:
-    """The world's up direction; that of its camera as the film begins, where nobody knows."""
-    return CAMERA_UP if doc.world.up_world is None else doc.world.up_world
 
 
 def even_motion(
@@ -58,7 +49,7 @@ def even_motion(
 def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:
     """R_view_camera of the small views, which stand still in the world, and where its origin (3,)
     is, in the frame of the camera at a frame."""
-    rotations, T = view_rotations(up_in_world(doc)), doc.film_camera.T_camera_world(frame)
+    rotations, T = view_rotations(doc.world.up), doc.film_camera.T_camera_world(frame)
     if doc.camera_path is not None:
         rotations = {name: R @ T[:3, :3].T for name, R in rotations.items()}
     return rotations, T[:3, 3]
@@ -78,4 +69,4 @@ def pointer_views(doc: Session, frame: int, eye: Eye | None = None) -> dict[str,
 
 def first_pose(doc: Session) -> Pose:
     """Where a body stands before anybody posed it."""
-    return opening_pose(doc.subject.body, doc.view.camera, up_in_world(doc))
+    return opening_pose(doc.subject.body, doc.view.camera, doc.world.up)

@@ -21,7 +21,6 @@ from keypose.app.editor.documents import (
     without,
 )
 from keypose.app.editor.drafted import flipped_drafts, with_accepted
-from keypose.app.editor.frames import up_in_world
 from keypose.app.editor.message import Degrees, Edit, Frames
 from keypose.app.editor.motion import angle_curve
 from keypose.app.editor.part_keyframes import require_correctable
@@ -214,7 +213,7 @@ class KeyAngle(Edit):
             wanted.get("y"),
             wanted.get("z"),
             near_deg=angle_curve(state, part)[self.frame],
-            up_camera=up_in_world(state.doc),
+            up_camera=state.doc.world.up,
         )
         pose = pose.carried(T) if of_root else pose
         return posed(state.doc, state.skeleton, pose, self.frame, state.times_s, soft)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from keypose.app.editor.frames import (
     even_motion,
-    up_in_world,
     up_of,
 )
 from keypose.app.editor.live import at_hand
@@ -226,7 +225,7 @@ def feet_paths(edit: EditorState) -> FeetPaths:
     the motion.
     """
     floor_m = edit.settled.world.floor_m
-    skeleton, up = settled_skeleton(edit), up_in_world(edit.settled)
+    skeleton, up = settled_skeleton(edit), edit.settled.world.up
     motion = known_motion(edit, MOST_MOMENTS)
     if motion is None:
         Ts = pose_transforms(edit.skeleton, shown_pose(edit).pose)[None]
@@ -285,7 +284,7 @@ def angle_curve(edit: EditorState, index: int) -> Array:
     known_frames = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
     part = edit.doc.subject.body.parts[index]
-    up = up_in_world(edit.doc)
+    up = edit.doc.world.up
     angles[known_frames] = angle_curve_deg(
         part, Rs[known_frames], np.searchsorted(known_frames, keys), up
     )

@@ -13,7 +13,6 @@ from pydantic import ValidationError
 
 from keypose.app.editor.documents import require_sound, seen_as_before
 from keypose.app.orders.imports import ImportCamera
-from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.errors import FormatError, KeyposeError, one_sentence
 from keypose.tracker.formats.cameras.camera_file import CameraReading
@@ -216,8 +215,7 @@ def _of_film(camera_way: CameraWay, frame_count: int, file: str) -> CameraWay:
 
 def turned_deg(session: Session, made: Session) -> float:
     """By how much what is up has changed, degrees."""
-    before, after = (np.array(s.world.up_world or CAMERA_UP) for s in (session, made))
-    cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
+    cosine = session.world.up @ made.world.up
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 

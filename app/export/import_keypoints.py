@@ -28,7 +28,6 @@ LEAST_KEYPOINTS = 5
 SHOWN = 6
 """Names of a file in a sentence."""
 NEAREST_M = 0.06
-UP = (0.0, -1.0, 0.0)
 POOR_PX = 0.05
 """Mean miss of a draft's joints, as a share of the keypoints' extent, above which it is poor."""
 

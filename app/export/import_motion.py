@@ -16,7 +16,6 @@ from keypose.app.editor.documents import keyframe_of
 from keypose.app.export.import_keypoints import (
     NEAREST_M,
     SHOWN,
-    UP,
     Draft,
     between,
 )
@@ -143,7 +142,7 @@ def fit_to_session(
     notes += implausible(skeleton, matches.places, bones, size, ps, fit)
     if not reached:
         placed = session.film_camera.motion_to_world(fit.trajectory)
-        notes += lying(placed, np.array(session.world.up_world or UP))
+        notes += lying(placed, session.world.up)
     from_keyframes = _from_keyframes(points, fit, reached)
     if from_keyframes > FAR_M:
         notes += (Note("far from keyframes", (100 * from_keyframes,)),)
@@ -261,11 +260,11 @@ def _as_seen(path: CameraPath, ps_world: Array) -> Array:
 
 def _before_camera(session: Session, ps: Array, world: World) -> Array:
     """Upright, as it faces, in the middle of the picture and at a distance that fills it."""
-    up = np.array(session.world.up_world or UP, dtype=np.float64)
+    up = session.world.up
     right = np.cross(-up, (0.0, 0.0, 1.0))
     if np.linalg.norm(right) < 1e-6:  # the camera looks straight up or down
         right = np.array([1.0, 0.0, 0.0])
-    y, x = up / np.linalg.norm(up), right / np.linalg.norm(right)
+    y, x = up, right / np.linalg.norm(right)
     R = np.stack([x, y, np.cross(x, y)], axis=1)  # from a world with y up
     if world == "z up":
         R = R @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

@@ -99,7 +99,7 @@ class SizedBox(Problem[SizedPose, "_SizedPoint"]):
         points = self.seen.points.points
         return np.array([place[0][1] for place in points]) * ratios
 
-    def seen_at(self, ratios: Array) -> PointsInPicture:
+    def projected(self, ratios: Array) -> PointsInPicture:
         """The corners with such sizes, seen where they were."""
         corners, skeleton = self.corners(ratios), self.seen.points.skeleton
         points = BodyPoints.single(skeleton, np.full(len(corners), self.part), corners)
@@ -119,7 +119,7 @@ class _SizedPoint:
 
     @cached_property
     def _seen(self) -> PointsInPicture:
-        return self.box.seen_at(self.state.ratios)
+        return self.box.projected(self.state.ratios)
 
     @cached_property
     def cost(self) -> float:
@@ -316,7 +316,7 @@ class _BoxCornerFit:
         """Root mean square distance of the corners from where they were placed, pixels."""
         points_in_picture = self.seen
         if ratios is not None:
-            points_in_picture = SizedBox(self.part, points_in_picture, ()).seen_at(ratios)
+            points_in_picture = SizedBox(self.part, points_in_picture, ()).projected(ratios)
         p = points_in_picture.points.at(
             GestureContext.of(self.context.skeleton, pose, False).Ts_camera_part
         )

@@ -121,7 +121,7 @@ class SeenLimb:
     def _bent(self, middle: Array, end_at: Array) -> Reached:
         limb = self.limb
         before = middle + limb.end - self._elbow.joint
-        end = self._seen_at(end_at, middle, before, self.sides[1], self.bends)
+        end = self._end_as_seen(end_at, middle, before, self.sides[1], self.bends)
         return self._sideways(self._elbow.bent(middle, end), end)
 
     def _middle(self, at: Array) -> Array:
@@ -130,9 +130,9 @@ class SeenLimb:
         the lower one bends away."""
         clear = abs(self.beside) > LEVEL
         toward = math.copysign(1.0, self.beside) if clear else -self.bends
-        return self._seen_at(at, self.limb.centre, self._elbow.joint, self.sides[0], toward)
+        return self._end_as_seen(at, self.limb.centre, self._elbow.joint, self.sides[0], toward)
 
-    def _seen_at(
+    def _end_as_seen(
         self, at: Array, centre: Array, before: Array, side: float, toward: float
     ) -> Array:
         drawn = length(self.view.at_depth(at, before) - before)

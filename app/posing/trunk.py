@@ -108,9 +108,9 @@ class _Trunk:
         if self.context.limits_on:
             terms.append(limits_as_posed(self.context, LIMIT_ONSET_RAD))
         problem = OnePose(skeleton, terms)
-        return self._carried(least_squares(problem, self.context.pose, CRITERIA).state)
+        return self._shifted(least_squares(problem, self.context.pose, CRITERIA).state)
 
-    def _carried(self, pose: Pose) -> Pose:
+    def _shifted(self, pose: Pose) -> Pose:
         """The pose with the body carried by what the dragged joint still lacks."""
         p = GestureContext.of(self.context.skeleton, pose, False).joint(self._dragged)
         if self.goal.line is None:

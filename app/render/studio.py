@@ -156,9 +156,8 @@ class Studio:
 
     @classmethod
     def of(cls, session: Session, skeleton: Skeleton) -> Studio:
-        up = session.world.up_world or (0.0, -1.0, 0.0)
         camera = session.view.camera.without_distortion()
-        return cls(session, camera, skeleton, form_of(skeleton), view_rotations(up))
+        return cls(session, camera, skeleton, form_of(skeleton), view_rotations(session.world.up))
 
     def at(self, frame: int) -> Studio:
         """The same as the camera sees it at a frame; itself where that stands still."""

@@ -25,7 +25,7 @@ from keypose.tracker.body.joint_angles import (
     R_ANATOMICAL_PART,
     ROOT,
     Joint,
-    carried,
+    joint_rotations,
     joints_of,
 )
 from keypose.tracker.body.pose import part_transforms
@@ -161,7 +161,9 @@ def _of_joint(skeleton: Skeleton, body: _Posed, joint: Joint, ground: Array) -> 
         turned = turned - body.turns[joint.carrier]
         R_carrier_camera = np.swapaxes(body.Ts_camera_part[joint.carrier][:, :3, :3], -1, -2)
         R_axes_camera = joint.axes_turned @ R_ANATOMICAL_PART @ R_carrier_camera
-    rates = _rates(carried(skeleton.body, joint, body.Rs_parent_part, ground)) @ R_axes_camera
+    rates = (
+        _rates(joint_rotations(skeleton.body, joint, body.Rs_parent_part, ground)) @ R_axes_camera
+    )
     each = _median((turned @ np.swapaxes(rates, -1, -2))[..., None])
     each = np.minimum(each, np.pi / 2)
     if joint.name.endswith(_HINGES):

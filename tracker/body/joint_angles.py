@@ -173,7 +173,7 @@ def joint_angles(
     """
     angles = []
     for joint in joints_of(body):
-        Rs = carried(body, joint, Rs_parent_part, R_ground_camera)
+        Rs = joint_rotations(body, joint, Rs_parent_part, R_ground_camera)
         angles.append(JointAngles(joint, _angles_deg(joint, Rs)))
     return tuple(angles)
 
@@ -187,7 +187,9 @@ def angles_of(body: Body, joint: Joint, rotations: Callable[[int], Array]) -> Jo
     return JointAngles(joint, _angles_deg(joint, _in_its_axes(joint, Rs, R_ANATOMICAL_PART)))
 
 
-def carried(body: Body, joint: Joint, Rs_parent_part: Array, R_ground_camera: Array) -> Array:
+def joint_rotations(
+    body: Body, joint: Joint, Rs_parent_part: Array, R_ground_camera: Array
+) -> Array:
     """The part in its carrier (N, 3, 3), in the axes that the joint's angles are about."""
     Rs = [Rs_parent_part[:, i] for i in _chain(body, joint)]
     return _in_its_axes(joint, Rs, R_ground_camera if joint.carrier == ROOT else R_ANATOMICAL_PART)

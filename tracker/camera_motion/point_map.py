@@ -125,14 +125,14 @@ class PointMap:
         ids = ids[self.sound[ids] & (self.spread[ids] < 0.5 * np.abs(self.depths[ids]))]
         if not len(ids):
             return 1.0
-        world, depths = self._in_world(ids)
+        world, depths = self._scaled_places(ids)
         Y = world @ keyframe.T[:3, :3].T + depths[:, None] * keyframe.T[:3, 3]
         ahead = depths[Y[:, 2] > 0] / Y[Y[:, 2] > 0, 2]
         return float(np.median(ahead)) if len(ahead) else 1.0
 
     # --- where landmarks are
 
-    def _in_world(self, ids: Indices) -> tuple[Array, Array]:
+    def _scaled_places(self, ids: Indices) -> tuple[Array, Array]:
         """Points (K, 3) times their inverse depths, and these (K,)."""
         Ts, depths = self._anchors(ids), self.depths[ids]
         b = np.concatenate([self.rays[ids], np.ones((len(ids), 1))], axis=1)
@@ -140,7 +140,7 @@ class PointMap:
 
     def observed(self, ids: Indices, xy: Array) -> SeenPoints:
         """What is known of landmarks (K,) that are seen at xy (K, 2)."""
-        world, depths = self._in_world(ids)
+        world, depths = self._scaled_places(ids)
         return SeenPoints(world, depths, self.spread[ids], self._eyes(ids), xy)
 
     def expected(self, T: Array, ids: Indices) -> Array:
@@ -156,7 +156,7 @@ class PointMap:
     def _ahead(self, T: Array, ids: Indices) -> Array:
         """Landmarks (K, 3) in the frame of a camera at T (4, 4), their depth at their anchor the
         unit."""
-        world, depths = self._in_world(ids)
+        world, depths = self._scaled_places(ids)
         return np.asarray(world @ T[:3, :3].T + depths[:, None] * T[:3, 3])
 
     def _anchors(self, ids: Indices) -> Array:
@@ -191,7 +191,7 @@ class PointMap:
         ids = self.patches.ids[~np.isin(self.patches.ids, present)]
         located = self.spread[ids] < LOCATED_SHARE * np.abs(self.depths[ids])
         ids = ids[located & self.sound[ids]]
-        world, depths = self._in_world(ids)
+        world, depths = self._scaled_places(ids)
         eye = -T[:3, :3].T @ T[:3, 3]
         from_here = world - depths[:, None] * eye
         from_anchor = world - depths[:, None] * self._eyes(ids)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from keypose.tracker.body.angle_errors import angle_errors, in_metres
 from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.ground import Ground, ground_of, ground_of_camera
-from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.joint_angles import Joint, JointAngles, joint_angles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -130,14 +129,13 @@ class Recording:
         last = max([tracks.first_frame + len(tracks.tracked) - 1, *keyed])
         if first < 0 or last >= len(times_s):
             raise FormatError("The tracked motion is longer than the video.")
-        up = np.array(session.world.up_world or CAMERA_UP)
         return cls(
             Skeleton.of(session.subject.body),
             session.view.camera,
             tracks.in_world(session).between(first, last),
             tuple(s for s in sorted(segments, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
-            frozen(up / np.linalg.norm(up)),
+            frozen(session.world.up),
             tuple(sorted(_open_ends(session, segments))),
             _mean_rate(times_s),
             notes=session.notes,

@@ -18,7 +18,7 @@ from keypose.tracker.geometry.up import (
     apart_by,
     combined,
 )
-from keypose.tracker.operations.solve_space import stances, up_of
+from keypose.tracker.operations.solve_space import stances
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.sigmas import LEAN_RAD
@@ -60,7 +60,7 @@ def estimated_up(
             if up_estimate is not None and up_estimate.used[0].sigma_rad < MOST_SIGMA_RAD
             else None
         )
-    chosen = UpEvidence.of(up_of(session), _set_rad(session), "set")
+    chosen = UpEvidence.of(session.world.up, _set_rad(session), "set")
     off = [
         Disagreement(source, apart_by(source, chosen.up, chosen.precision)) for source in evidence
     ]

@@ -12,7 +12,7 @@ import numpy as np
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
-from keypose.tracker.operations.solve_space import asked, compared, stances, up_of
+from keypose.tracker.operations.solve_space import asked, compared, stances
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.schema import Session
 from keypose.tracker.solver.sigmas import TILT_GIVES_RAD
@@ -69,7 +69,7 @@ class Kept:
 
     def hanging(self) -> tuple[tuple[Pin, float], ...]:
         """Feet that stand still above the floor and are not pinned, and by how many metres."""
-        session, up = self.session, up_of(self.session)
+        session, up = self.session, self.session.world.up
         skeleton, hanging_feet = Skeleton.of(session.subject.body), []
         for run in self.runs:
             for pin in stances(session, run.in_world, up):

@@ -26,7 +26,6 @@ from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, heights_px,
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 
-UP = (0.0, -1.0, 0.0)
 CONTRADICTS_M = 0.01
 """A pin that is farther off at an exact keyframe contradicts it."""
 
@@ -66,7 +65,7 @@ def asked(session: Session, stretch: SegmentRun) -> Asked:
         keyed_parts=keyed,
         pins=[each.point for each in held],
         smooth=bool(session.settings.smooth),
-        up_world=up_of(session),
+        up_world=session.world.up,
         floor_m=session.world.floor_m,
         path=path,
     )
@@ -82,7 +81,7 @@ def solved(
     exact = sorted(set(problem.keyframes) - set(problem.soft))
     space_solution = solve_space(problem, cancelled)
     pins = tuple(_pin_results(stretch.pins, asked_for.held, space_solution, exact))
-    up = None if session.world.up_world is None else up_of(session)
+    up = None if session.world.up_world is None else session.world.up
     in_world = problem.in_world(space_solution.motion)
     rate = problem.frames_per_second
     still = stances(session, in_world, up)
@@ -152,12 +151,6 @@ def _changed_in_world(
     if path is None:
         return change(motion)
     return change(motion.carried(path.Ts_world_camera)).carried(path.Ts_camera_world)
-
-
-def up_of(session: Session) -> Array:
-    """The unit vector up in the world."""
-    up = np.array(session.world.up_world or UP, dtype=np.float64)
-    return np.asarray(up / np.linalg.norm(up))
 
 
 def frames_per_second(session: Session, motion: Trajectory) -> float:

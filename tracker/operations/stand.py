@@ -15,7 +15,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.up import UpEstimate, UpEvidence
 from keypose.tracker.operations.find_up import estimated_up, motions_of
 from keypose.tracker.operations.kept_pins import without_harm
-from keypose.tracker.operations.solve_space import stances, unscaled_spans, up_of
+from keypose.tracker.operations.solve_space import stances, unscaled_spans
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, pins_apart, pins_within, sole_of
 from keypose.tracker.session.schema import Session
@@ -103,7 +103,7 @@ def stand(
         released=kept.released,
         harms=kept.harms,
         hanging=kept.hanging(),
-        tilted_rad=float(np.arccos(np.clip(up_of(kept.session) @ up_of(session), -1.0, 1.0))),
+        tilted_rad=float(np.arccos(np.clip(kept.session.world.up @ session.world.up, -1.0, 1.0))),
         scaled=session.view.camera_motion != as_found,
         unscaled=tuple(unscaled_spans(session)),
     )
@@ -195,7 +195,7 @@ def _levelled(
 def _contacts(session: Session, motions: Mapping[Span, Trajectory]) -> tuple[Pin, ...]:
     """The session's pins and those that are proposed beside them; what turns on its toe is held
     there alone."""
-    skeleton, up = Skeleton.of(session.subject.body), up_of(session)
+    skeleton, up = Skeleton.of(session.subject.body), session.world.up
     pins = list(session.subject.pins)
     for motion in motions.values():
         for pin in stances(session, motion, up):
@@ -209,7 +209,7 @@ def _on_floor(
 ) -> tuple[tuple[Pin, ...], tuple[Pin, ...]]:
     """All pins, feet on the floor but those far above most of them; and these. SessionError where
     no foot stands."""
-    skeleton, up = Skeleton.of(session.subject.body), up_of(session)
+    skeleton, up = Skeleton.of(session.subject.body), session.world.up
     high: dict[int, float] = {}
     falls: dict[int, float] = {}
     for place, pin in enumerate(pins):

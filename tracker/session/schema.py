@@ -14,14 +14,16 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, FiniteFloat, model_validator
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.film_camera import FilmCamera
+from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera_path import CameraPath
-from keypose.tracker.geometry.rotations import rotation_from_quaternion
+from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.geometry.up import UpEstimate, UpSource
 from keypose.tracker.session.annotations import (
     NoteList,
@@ -241,6 +243,13 @@ class World(Plain):
         "it is not known.",
     )
 
+    @property
+    def up(self) -> Array:
+        """The unit vector (3,) up; that of the first view's camera as it begins, where nobody
+        knows."""
+        up = np.array(CAMERA_UP if self.up_world is None else self.up_world, dtype=np.float64)
+        return np.asarray(up / np.linalg.norm(up))
+
     @model_validator(mode="before")
     @classmethod
     def _names_its_sources(cls, data: Any) -> Any:
@@ -362,6 +371,10 @@ class Session(Plain):
         """Set what is up as somebody said, rounded to 1e-6; None where nobody knows."""
         up = None if up_world is None else tuple(round(float(v), 6) + 0.0 for v in up_world)
         return self.changed({"up_world": up, "up_from": (), "up_sigma_rad": None})
+
+    def with_up_seen(self, frame: int, up_camera: ArrayLike) -> Self:
+        """Set what is up as somebody said who saw it at a frame."""
+        return self.with_up(self.film_camera.direction_to_world(frame, up_camera).tolist())
 
     def with_up_found(self, up_estimate: UpEstimate) -> Self:
         """Set what is up as it was found, in the frame of the world."""

@@ -70,7 +70,7 @@ class Posed:
 
     def points(self, parts: NDArray[np.int64], points: Array) -> Array:
         """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
-        return carried(self.Ts_camera_part, parts, points)
+        return points_on_parts(self.Ts_camera_part, parts, points)
 
     def point_jacobian(self, parts: NDArray[np.int64], p: Array) -> Array:
         """(..., K, D, 3) how points p (..., K, 3) in the camera frame move, carried by parts."""
@@ -107,7 +107,7 @@ class Posed:
         return copy.reshape(-1, *shape[len(self.batch) :])
 
 
-def carried(Ts_camera_part: Array, parts: NDArray[np.int64], points: Array) -> Array:
+def points_on_parts(Ts_camera_part: Array, parts: NDArray[np.int64], points: Array) -> Array:
     """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
     T = Ts_camera_part[..., parts, :, :]
     return np.asarray((T[..., :3, :3] @ points[..., None])[..., 0] + T[..., :3, 3])
@@ -157,7 +157,7 @@ class BodyPoints:
     def at(self, Ts_camera_part: Array) -> Array:
         """Positions (..., J, 3) in the camera frame."""
         parts, p, mean = self._points
-        where = carried(Ts_camera_part, parts, p)
+        where = points_on_parts(Ts_camera_part, parts, p)
         return where if mean is None else np.asarray(mean @ where)
 
     @cached_property

@@ -25,7 +25,6 @@ from keypose.app.export.report.plots import (
 from keypose.app.export.report.subject import Subject
 from keypose.app.posing import angle_curve_deg, axis_labels, lanes, part_label
 from keypose.app.posing.labels import number_text
-from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.storage.results import Span, observability, ranks, root_positions, rotations
 from keypose.tracker.tracking.result import SegmentResult
@@ -107,8 +106,7 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
         Rs = rotations(fitting, count, i)
         angles, rows = np.full((count, 3), np.nan), np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
         keys = np.searchsorted(rows, np.intersect1d(np.subtract(subject.keys, first), rows))
-        up = subject.session.world.up_world or CAMERA_UP
-        angles[rows] = angle_curve_deg(part, Rs[rows], keys, up)
+        angles[rows] = angle_curve_deg(part, Rs[rows], keys, subject.session.world.up)
         words = {
             axis: word.lower()
             for axis, word in axis_labels(subject.session.subject.body, part.name).items()

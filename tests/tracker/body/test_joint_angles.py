@@ -13,8 +13,8 @@ from keypose.tracker.body.joint_angles import (
     JOINTS,
     R_ANATOMICAL_PART,
     JointAngles,
-    carried,
     joint_angles,
+    joint_rotations,
     joints_of,
 )
 from keypose.tracker.body.modify import with_clavicles
@@ -239,7 +239,7 @@ def test_angles_of_an_arm_do_not_jump_and_put_it_where_it_is(way: str) -> None:
     assert np.abs(np.diff(found.angles_deg, axis=0)).max() < 30.0
     of_all = np.tile(np.eye(3), (len(Rs), len(BODY.parts), 1, 1))
     of_all[:, BODY.index("left_upper_arm")] = Rs
-    given = carried(BODY, found.joint, of_all, FACING)
+    given = joint_rotations(BODY, found.joint, of_all, FACING)
     lost = log_rotation(transpose(given) @ made_of(found))
     assert np.degrees(np.linalg.norm(lost, axis=-1)).max() < off_deg
 

@@ -23,7 +23,7 @@ from keypose.tracker.fitting.sizes.contours import (
 from keypose.tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.settings import IgnoreMask
-from keypose.tracker.solver.posed import carried, joints_and_landmarks
+from keypose.tracker.solver.posed import joints_and_landmarks, points_on_parts
 from keypose.tracker.solver.sigmas import CONTOUR_PX, POSED_JOINT_PX
 from keypose.tracker.video.clip_loader import ClipLoader, WorkingSize
 from keypose.tracker.video.pyramid import USABLE
@@ -108,7 +108,7 @@ def joint_rows(fit: SharedFit, k: int) -> Residuals:
     camera = fit.camera.zoomed(float(fit.zoom[k]))
     places = [place for (place,) in joints_and_landmarks(skeleton).points]
     parts, points = (np.array(column) for column in zip(*places, strict=True))
-    uv = camera.project(carried(pose_transforms(skeleton, posed), parts, points))
+    uv = camera.project(points_on_parts(pose_transforms(skeleton, posed), parts, points))
     normals = np.repeat(np.eye(2), len(parts), axis=0)
     sigma = np.full(2 * len(parts), POSED_JOINT_PX)
     return Residuals(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)

@@ -20,7 +20,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.least_squares import USUAL, Problem, least_squares
 from keypose.tracker.solver.pose_terms import JointLimits, PosePrior, RootPosition
-from keypose.tracker.solver.posed import Posed, carried
+from keypose.tracker.solver.posed import Posed, points_on_parts
 from keypose.tracker.solver.projection import image_jacobian
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.sigmas import (
@@ -136,7 +136,7 @@ class SharedFit:
     def camera_points(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 3) the points of the rows in the camera's frame."""
         points = residuals.points * self.proportions.ratios(shared.sizes)[residuals.parts]
-        return carried(self.transforms(shared, k), residuals.parts, points)
+        return points_on_parts(self.transforms(shared, k), residuals.parts, points)
 
     def pixels(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 2) where the points of the rows are seen."""

@@ -32,7 +32,7 @@ from keypose.tracker.body.joint_angles import (
     JOINTS,
     R_ANATOMICAL_PART,
     JointAngles,
-    carried,
+    joint_rotations,
     joints_of,
 )
 from keypose.tracker.errors import FormatError
@@ -181,7 +181,7 @@ def _ankle(recording: Recording, side: str) -> tuple[Array, Array]:
     """
     joint = next(joint for joint in JOINTS if joint.name == f"{side}_ankle")
     unknown = np.eye(3)  # the shin carries it, so the ground does not matter
-    R = carried(recording.skeleton.body, joint, recording.tracks.Rs_parent_part, unknown)
+    R = joint_rotations(recording.skeleton.body, joint, recording.tracks.Rs_parent_part, unknown)
     is_finite = np.isfinite(R).all(axis=(1, 2))
     ankle, subtalar = np.full(len(R), np.nan), np.full(len(R), np.nan)
     up, inward = np.array(ANKLE_AXIS), np.array(SUBTALAR_AXIS)

@@ -164,8 +164,8 @@ def _judge_joints(scene: Scene, segment: Segment, joints: JointEvidence) -> Verd
     if not joints.is_good:
         return _doubtful_joint(scene, first, joints)
     skeleton = scene.skeleton
-    carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
-    keyed = joints.keyed_wrong(carried == 1)  # a trunk carries several parts, a head none
+    child_counts = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
+    keyed = joints.keyed_wrong(child_counts == 1)  # a trunk carries several parts, a head none
     if keyed is not None:
         frame, name = first + keyed[0], skeleton.body.names[int(joints.parts[keyed[1]])]
         return Verdict.check("keyframe_off_keypoints", (frame, frame), name)

@@ -91,6 +91,6 @@ def _fit(
 def _keep_precision(scene: Scene) -> Array:
     """(D,) precision of the prior, higher for the trunk than for the limbs it carries."""
     skeleton = scene.skeleton
-    carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
-    turn = np.where(carried > 1, LIFTED_TRUNK_RAD, LIFTED_LIMB_RAD)[skeleton.dof_part]
+    child_counts = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
+    turn = np.where(child_counts > 1, LIFTED_TRUNK_RAD, LIFTED_LIMB_RAD)[skeleton.dof_part]
     return np.where(skeleton.dof_turns == 1, turn, LIFTED_SHIFT_PX * scene.pixel_m) ** -2.0

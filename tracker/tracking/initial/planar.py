@@ -67,14 +67,14 @@ def planar_start(scene: Scene, segment: Segment, left_out: Collection[str] = ())
     if not limbs:
         return Start(interpolated, (f"the body has no limbs of two links: {INSTEAD}",))
     keyed = FirstKeyframe.of(scene, segment)
-    carried, notes = _carry_root(keyed, interpolated, _head(scene, limbs), left_out)
-    Rs, ps = carried.writable()
+    guided, notes = _carry_root(keyed, interpolated, _head(scene, limbs), left_out)
+    Rs, ps = guided.writable()
     for limb in limbs:
         if is_left_out(scene.skeleton, limb.leaf, left_out):
             continue
         try:
             Rs[:, limb.upper], Rs[:, limb.lower] = _as_rotations(
-                scene, carried, limb, _angles(keyed, carried, limb)
+                scene, guided, limb, _angles(keyed, guided, limb)
             )
         except NotFollowed as reason:
             notes.append(f"{reason}: {INSTEAD}")
@@ -146,16 +146,16 @@ def _lean_trunk(keyed: FirstKeyframe, motion: Trajectory, head: int, offset: Arr
     return Trajectory(motion.first_frame, Rs, ps)
 
 
-def _angles(keyed: FirstKeyframe, carried: Trajectory, limb: TwoLinks) -> tuple[Array, Array]:
+def _angles(keyed: FirstKeyframe, guided: Trajectory, limb: TwoLinks) -> tuple[Array, Array]:
     """(N,) how the upper and the lower link point in the picture, radians from u towards v.
 
     The lengths are those seen in the keyframes. θ2 is taken positive with the picture's v axis
     pointing the way that makes the keyframes' own bends so.
     """
-    hip, first, second = _links(keyed, carried, limb)
+    hip, first, second = _links(keyed, guided, limb)
     L1, L2 = (_linear(np.linalg.norm(d[[0, -1]], axis=-1), len(d)) for d in (first, second))
     ends = [_angle(d[[0, -1]]) for d in (first, second)]
-    if not _is_planar(keyed.scene, carried, limb, L1[[0, -1]], L2[[0, -1]]):
+    if not _is_planar(keyed.scene, guided, limb, L1[[0, -1]], L2[[0, -1]]):
         raise NotFollowed(f"{keyed.name(limb.leaf)} does not move in the picture's plane")
     sense = 1.0 if np.sin(ends[1] - ends[0]).sum() >= 0 else -1.0
 
@@ -202,13 +202,13 @@ def _is_planar(scene: Scene, motion: Trajectory, limb: TwoLinks, L1: Array, L2: 
 
 
 def _as_rotations(
-    scene: Scene, carried: Trajectory, limb: TwoLinks, angles: tuple[Array, Array]
+    scene: Scene, guided: Trajectory, limb: TwoLinks, angles: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """(N, 3, 3) both links in their parents, turned in the picture's plane from the first keyframe.
 
     The miss at the last keyframe, turns out of the plane, is spread evenly.
     """
-    Ts = carried.transforms(scene.skeleton)
+    Ts = guided.transforms(scene.skeleton)
     above, links = Ts[:, scene.skeleton.parents[limb.upper], :3, :3], []
     for part, angle in zip((limb.upper, limb.lower), angles, strict=True):
         R = _about_view(angle - angle[0]) @ Ts[0, part, :3, :3]

@@ -291,19 +291,19 @@ def _joints(
     """Joints that the limb carries as they are now; where it was set right nothing is in doubt."""
     if base is None:
         return None
-    carried = np.isin(base.parts, limb.parts)
+    of_limb = np.isin(base.parts, limb.parts)
     before = (base.distance, base.visibility, base.apart, base.drift)
     distance, visibility, apart, drift = (values.copy() for values in before)
     for outcome, piece in zip(own, rows, strict=True):
         if outcome is None or outcome.joints is None:
             continue
         joint_evidence = outcome.joints
-        distance[piece, carried] = joint_evidence.distance[:, carried]
-        visibility[piece, carried] = joint_evidence.visibility[:, carried]
-        apart[piece, carried] = joint_evidence.apart[:, carried]
-        drift[piece, carried] = joint_evidence.drift[:, carried]
+        distance[piece, of_limb] = joint_evidence.distance[:, of_limb]
+        visibility[piece, of_limb] = joint_evidence.visibility[:, of_limb]
+        apart[piece, of_limb] = joint_evidence.apart[:, of_limb]
+        drift[piece, of_limb] = joint_evidence.drift[:, of_limb]
     for piece in rows[1:]:
         for values in (distance, apart, drift):
-            values[piece.start, carried] = 0.0
-        visibility[piece.start, carried] = 1.0
+            values[piece.start, of_limb] = 0.0
+        visibility[piece.start, of_limb] = 1.0
     return replace(base, distance=distance, visibility=visibility, apart=apart, drift=drift)
