@@ -5,12 +5,14 @@ give `rows` and let `RowTerm` do the rest; where each residual is about one degr
 `diagonal` and let `DiagonalTerm` do it; where time counts, let `SummedTerm` have a loop for many
 poses (`placed.py`) and its plain twin for one (`plain_placed.py`). `BodyPoints` (`posed.py`) says
 where points of the body are and how they move. Put it into the list of the solve it belongs to
-(`MotionProblem`, `OnePose`), and among the cases of the one test that compares terms with finite
-differences. Terms of points and
-turns are in `pose_terms.py`, links between frames in `smoothness.py`, terms that many frames share
-in `space_terms.py`. Residuals are in standard deviations, so that terms of different kinds can be
-summed, and are half squared. Terms here work on one pose or on many at once: batch axes come first,
-equations are those of every pose by itself, and a cost is that of all of them.
+(`MotionProblem`, `OnePose`), and into `TERMS` of the test that compares all terms with finite
+differences, and their loops with the twins.
+
+Terms of points and turns are in `pose_terms.py`, links between frames in `smoothness.py`, terms
+that many frames share in `space_terms.py`. Residuals are in standard deviations, so that terms of
+different kinds can be summed, and are half squared. Terms here work on one pose or on many at once:
+batch axes come first, equations are those of every pose by itself, and a cost is that of all of
+them.
 
 What is found at one pose and kept (edges in a picture, pairs of points, noise) belongs to the term:
 terms of pictures and surfaces are made again at every pose, for one pose at a time.

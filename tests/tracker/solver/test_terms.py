@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,7 +32,9 @@ from keypose.tracker.solver.posed import BodyPoint, BodyPoints, Posed, free_skel
 from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
 from keypose.tracker.solver.terms import (
+    DiagonalTerm,
     RowTerm,
+    SummedTerm,
     Term,
     total_cost,
     total_equations,
@@ -173,11 +177,41 @@ TERMS: dict[str, Callable[[BodyPoints], Term]] = {
     "pairs of a surface that stands out": _pairs(plane=1.0, offset=True, smooth=True),
 }
 """Every term. One that is added goes here."""
+TESTED_ELSEWHERE = {"TermIn": "test_two_views.py", "Textures": "test_bundle.py"}
+"""What wraps a term, and what has no cost, with the test of each."""
 
 MANY = [name for name in TERMS if not name.startswith(("textures", "edges", "pairs"))]
 """Those that are not made for one pose."""
 ROUGH = {name: (1e-3, 0.02) for name in TERMS if name.startswith("textures")}
 """Steps and tolerance of sums in single precision over pictures with slopes of their own."""
+
+
+def _classes_of_terms() -> set[str]:
+    """The names of all terms of the tracker, read from its source."""
+    kinds = {kind.__name__ for kind in (Term, RowTerm, SummedTerm, DiagonalTerm)}
+    sources = (Path(__file__).parents[3] / "tracker").rglob("*.py")
+    return {
+        node.name
+        for path in sources
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.ClassDef)
+        and node.name not in kinds
+        and ({ast.unparse(base) for base in node.bases} & kinds or _has_equations(node))
+    }
+
+
+def _has_equations(node: ast.ClassDef) -> bool:
+    """Whether a class has the method of a term without being derived from one."""
+    methods = [part for part in node.body if isinstance(part, ast.FunctionDef)]
+    return any(
+        method.name == "equations" and [arg.arg for arg in method.args.args] == ["self", "posed"]
+        for method in methods
+    )
+
+
+def test_every_term_of_the_tracker_is_compared_here() -> None:
+    compared = {type(make(BodyPoints(SKELETON, POINTS))).__name__ for make in TERMS.values()}
+    assert _classes_of_terms() == compared | set(TESTED_ELSEWHERE)
 
 
 def _arrays(pose: Pose) -> tuple[Floats, Floats]:
