@@ -232,6 +232,8 @@ _SIZES: Final[Mapping[str, Callable[[float, float], float]]] = {
     "bent": lambda radians, px_per_m: KNEE_LEVER_M * radians * px_per_m,
 }
 """Pixels of a finding by its amount, and by those of a metre there."""
+REVIEWED_IN_SPACE: Final = frozenset(_SIZES)
+"""Kinds of findings in space that are places of the review."""
 
 
 def _tracked_place(

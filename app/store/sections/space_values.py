@@ -25,6 +25,7 @@ from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.shapes import Shape
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.review.places import REVIEWED_IN_SPACE
 from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import SpaceFinding
@@ -252,6 +253,8 @@ _WEIGHTS: Final = {
 }
 """What makes findings of different kinds comparable: of 5 cm, of 8 px, of a knee's 10° or a body's
 20°, of a shake of 10 or a jump of 20 m/s² each about 1."""
+_ANSWERED: Final = frozenset({*REVIEWED_IN_SPACE, "mirrored"})
+"""Kinds that a person's answer for the same part and frame settles."""
 
 
 def space(app_state: AppState) -> Json:
@@ -307,10 +310,10 @@ def _guessed_up(edit: EditorState, rise_m: float) -> Json:
 
 
 def _is_accepted(judged_segments: JudgedSegments, space_finding: SpaceFinding) -> bool:
-    """Whether a person has said that the foot is right where it leaves the floor or as it is
-    pinned, or the limb as it points.
+    """Whether a person has accepted what is found: a foot off the floor, what a pin does, the way a
+    limb points.
     """
-    asked = space_finding.kind in ("off_floor", "mirrored", "pulled", "bent")
+    asked = space_finding.kind in _ANSWERED
     answered = judged_segments.answer(space_finding.part, space_finding.go) if asked else None
     return answered is not None and answered.answer == "accepted"
 

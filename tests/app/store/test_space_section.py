@@ -14,8 +14,7 @@ from keypose.app.store.sections import Sections, space_values
 from keypose.app.words import problems, review
 from keypose.app.words.problems import space_sentence
 from keypose.app.words.review import reason_of_place
-from keypose.tracker.review import places
-from keypose.tracker.review.places import review_of
+from keypose.tracker.review.places import REVIEWED_IN_SPACE, review_of
 from keypose.tracker.review.segment_errors import LEAST_PX
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import PinResult, SpaceFinding
@@ -125,6 +124,16 @@ def test_what_pins_and_floors_do_to_a_foot_is_a_place_of_the_review(
     assert solved(known(stepping((5, 12))), finding)[0]["remedy"] in ("pin", "unpin")
 
 
+@pytest.mark.parametrize("kind", sorted(REVIEWED_IN_SPACE))
+def test_a_finding_that_is_accepted_in_the_review_leaves_the_list(kind: str) -> None:
+    state = with_found(known(stepping((5, 12))), found(kind, 20.0))
+    (place,) = review_of(state.doc, state.results).places
+    answer = {"do": "accept_place", "frame": place.frame, "part": place.part}
+    accepted = AppState(edit=after(state, answer))
+    assert Sections().changed(AppState(edit=state))["space"]
+    assert Sections().changed(accepted)["space"] == []
+
+
 def test_a_limb_that_may_be_mirrored_is_turned_with_one_press() -> None:
     (reported,) = solved(known(stepping((5, 12))), found("mirrored", 0.2, "right_forearm"))
     assert (reported["remedy"], reported["part"], reported["go"]) == ("turn", "right_forearm", 14)
@@ -180,4 +189,4 @@ def test_every_kind_of_finding_has_its_words_its_remedy_and_its_weight() -> None
 
 
 def test_what_is_reviewed_in_space_is_worded_there() -> None:
-    assert set(places._SIZES) == set(review._IN_SPACE)
+    assert set(review._IN_SPACE) == REVIEWED_IN_SPACE
