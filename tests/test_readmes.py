@@ -5,13 +5,16 @@ from __future__ import annotations
 import ast
 import re
 import sys
+import tomllib
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from keypose.app.cli.arguments import COMMANDS
+from keypose.app.export.motion_formats import FORMATS
 from keypose.sample_videos.__main__ import SCRIPTS
 from keypose.sample_videos.make_pictures import GALLERY
 
@@ -92,6 +95,21 @@ def test_its_commands_are_those_that_there_are() -> None:
     text = (ROOT / "app" / "README.md").read_text("utf-8")
     listed = dict(re.findall(r"^\| `([a-z]+)` \| (.+) \|$", text, re.M))
     assert listed == {name: summary for name, (_, summary) in COMMANDS.items()}
+
+
+def test_every_export_is_named_where_it_is_said_what_opens_them() -> None:
+    text = (ROOT / "docs" / "exports.md").read_text("utf-8")
+    assert [name for name in FORMATS if f"`{name}`" not in text] == []
+
+
+def test_the_library_of_an_export_is_an_extra_and_there_for_developers() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    developers, *extras = (
+        {Requirement(line).name for line in project["optional-dependencies"].get(name, ())}
+        for name in ("dev", *FORMATS)
+    )
+    needed = {kind.library[0] for kind in FORMATS.values() if kind.library}
+    assert needed <= developers & set().union(*extras)
 
 
 def test_the_road_through_the_code_names_what_is_defined_there() -> None:

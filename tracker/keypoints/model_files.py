@@ -29,6 +29,9 @@ LARGEST_NOTE_BYTES: Final = 2**16
 """Of the note beside a network that says how it is read."""
 
 JointKind: TypeAlias = Literal["movenet", "simcc", "maps", "rtmo"]
+JointLayout: TypeAlias = Literal["COCO_17", "HALPE_26", "COCO_WHOLEBODY_133"]
+"""Names in `LAYOUTS` of those that networks may have: they are told apart by how many joints each
+has."""
 _Pixels: TypeAlias = Annotated[int, Field(ge=32, le=2048)]
 _Deviation: TypeAlias = Annotated[FiniteFloat, Field(gt=0)]
 
@@ -60,7 +63,7 @@ class JointHeads(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: JointKind
-    layout: Literal["COCO_17", "HALPE_26", "COCO_WHOLEBODY_133"]
+    layout: JointLayout
     width: _Pixels
     height: _Pixels
     outputs: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...]

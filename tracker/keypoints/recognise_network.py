@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, get_args
 
 import numpy as np
 from pydantic import ValidationError
@@ -16,7 +16,12 @@ from keypose.tracker.keypoints.joint_network import needs_onnx_runtime, open_hea
 from keypose.tracker.keypoints.known_person import seen_on_person
 from keypose.tracker.keypoints.layouts import LAYOUTS
 from keypose.tracker.keypoints.mmdeploy import levels_of
-from keypose.tracker.keypoints.model_files import LARGEST_BYTES, JointHeads, JointKind
+from keypose.tracker.keypoints.model_files import (
+    LARGEST_BYTES,
+    JointHeads,
+    JointKind,
+    JointLayout,
+)
 from keypose.tracker.keypoints.onnx_header import Shape, Signature, read_signature
 from keypose.tracker.keypoints.opencv_nodes import differing_operation
 from keypose.tracker.keypoints.runtimes import (
@@ -28,7 +33,6 @@ from keypose.tracker.keypoints.runtimes import (
     open_runtime,
 )
 
-_LAYOUTS: Final = ("COCO_17", "HALPE_26", "COCO_WHOLEBODY_133")
 _OF_A_HAND: Final = 21
 ALIKE: Final = 0.01
 """A share by which two libraries may differ on noise."""
@@ -79,7 +83,7 @@ def _with_layout(
         inputs = read_signature(content).inputs
         outputs = dict(zip(heads.outputs, shapes, strict=True))
         raise _other(source, Signature(inputs, outputs))
-    layout = next((name for name in _LAYOUTS if len(LAYOUTS[name]) == count), None)
+    layout = next((name for name in get_args(JointLayout) if len(LAYOUTS[name]) == count), None)
     if layout is None:
         subject = "a hand alone" if count == _OF_A_HAND else f"{count} joints"
         raise KeypointError(
@@ -142,7 +146,7 @@ def _heads(signature: Signature) -> JointHeads | None:
         return JointHeads.model_validate(
             {
                 "kind": kind,
-                "layout": _LAYOUTS[0],
+                "layout": "COCO_17",  # until its joints are counted
                 "width": width,
                 "height": height,
                 "outputs": outputs,

@@ -29,8 +29,8 @@ from tests.tracker.video.test_fields import write_interlaced
 from tests.tracker.video_cases import numbered_picture, write_image, write_numbered
 
 SLOW_MOTION = {"recorded_fps": 240.0}
-NEEDED = {"c3d": "ezc3d", "usd": "pxr"}
-"""Formats that need a library which may not be there."""
+NEEDED = {name: kind.library[1] for name, kind in FORMATS.items() if kind.library}
+"""Formats that need a library which may not be there, with its module."""
 
 
 def taken(path: Path, **named: Any) -> Path:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.outputs import OF_A_PERSON
 from keypose.app.cli.main import main
 from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.state import EditorState
@@ -33,7 +34,7 @@ from tests.tracker.video_cases import write_numbered
 
 STATIC = Path(__file__).parents[3] / "static"
 LAST = 8
-ANY_BODY = [name for name in FORMATS if name not in ("amass", "mot")]
+ANY_BODY = [name for name in FORMATS if name not in OF_A_PERSON]
 """Formats that do not ask for a person."""
 EVERY = ",".join(ANY_BODY)
 

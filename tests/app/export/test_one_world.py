@@ -16,6 +16,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 from scipy.spatial.transform import Rotation
 
 from keypose.app.export.motion_files import motion_files
+from keypose.app.export.motion_formats import FORMATS
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import read_order
 from keypose.tracker.formats.reading import load_motion
@@ -112,6 +113,14 @@ READERS: dict[str, Read] = {
     "npz": _of_npz,
     "amass": _of_amass,
 }
+WITHOUT_JOINTS = ("mot", "camera", "chan")
+"""Formats of angles, and of the camera alone."""
+OF_ANOTHER = ("fbx",)
+"""Those whose motion is another format's file."""
+
+
+def test_every_format_that_places_joints_is_read_here() -> None:
+    assert sorted(FORMATS) == sorted((*READERS, *WITHOUT_JOINTS, *OF_ANOTHER))
 
 
 @pytest.mark.parametrize("origin", ORIGINS)

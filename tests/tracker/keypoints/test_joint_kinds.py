@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from keypose.tracker.keypoints import joint_network
 from keypose.tracker.keypoints.joint_kinds import KINDS
 from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.layouts import LAYOUTS
-from keypose.tracker.keypoints.model_files import LARGEST_BYTES, Model
+from keypose.tracker.keypoints.model_files import LARGEST_BYTES, JointLayout, Model
 from keypose.tracker.keypoints.recognise_network import recognised
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import ONNX, fast_is_here
@@ -57,6 +59,19 @@ def spots(places: NDArray[np.float64], sigma_px: float = 5.0) -> NDArray[np.uint
         255 * np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / (2 * sigma_px**2)) for x, y in places
     ]
     return np.stack(levels, axis=-1).round().astype(np.uint8)
+
+
+def test_every_layout_of_networks_is_tried_and_known_by_how_many_joints_it_has(
+    tmp_path: Path,
+) -> None:
+    layouts = get_args(JointLayout)
+    assert {layout for _, _, layout in TINY.values()} == set(layouts)
+    counts = {len(LAYOUTS[layout]) for layout in layouts}
+    assert len(counts) == len(layouts)
+    with pytest.raises(KeypointError) as refused:
+        added(tmp_path, tiny.maps(68))
+    sentence = str(refused.value).partition("with ")[2]
+    assert set(map(int, re.findall(r"\d+", sentence))) == counts
 
 
 @pytest.mark.parametrize("name", TINY)
