@@ -1,6 +1,5 @@
 // The guide for a new film: its lens, the person in it, a draft of every frame, how the camera moved, what to
-// confirm. Six
-// kinds of camera with keys 1 to 6, the focal length on a slider, what the file says.
+// confirm. The lens is one of six kinds of camera, by keys 1 to 6, a focal length on a slider, or what the file says.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { labelOf, perform, whyNot } from '../actions/actions.js';
@@ -32,6 +31,8 @@ import { draftFromBox, sizeWords } from '../handles/box.js';
 import { send } from '../store/link.js';
 import { server, setUi, ui } from '../store/state.js';
 import { view } from '../views/views.js';
+
+/** @typedef {import('../store/shapes.js').Body['presets'][number]} Preset */
 
 export function lensCard() {
   const here = kindHere();
@@ -93,10 +94,12 @@ const WIDTH = 264;
 const HEIGHT = 246;
 /** From the view's lower right corner, above its zoom. */
 const ROOM = { right: 12, bottom: 56 };
+/** Where the camera stands in the panel, from its left and its top, px. */
 const MIDDLE = 140;
 const FOOT = 206;
+/** How far the fields of view reach from the camera, px. */
 const RADIUS = 172;
-/** Half of what there is room for at the widest. */
+/** How far they reach to either side at most, px. */
 const WIDEST = 122;
 /** Where the person stands, as a share of the radius. */
 const THERE = 0.62;
@@ -314,27 +317,29 @@ function personLine() {
     <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>${heightLine()}`;
 }
 
+/** The bodies to choose instead of an adult's. @returns {Preset[]} */
+export const otherBodies = () => server.body?.presets.filter(({ kind }) => kind !== 'adult') ?? [];
+
 /** A child is drafted like an adult; an animal or a thing is posed by hand. */
 function otherLine() {
-  const others =
-    server.body?.presets.filter(({ name, is_object: isObject }) => isObject || OTHERS.includes(name)) ?? [];
   return html`<div class="row others"><span class="note">Somebody else?</span>
-    ${others.map(
+    ${otherBodies().map(
       (one) => html`<button type="button" class="btn sm" aria-pressed=${server.body?.preset === one.name}
-      title=${one.name === 'child' ? 'Draft a child of about 7 years' : 'Pose it by hand'}
+      title=${one.kind === 'child' ? 'Draft with the proportions of a child' : 'Pose it by hand'}
       @click=${() => takeBody(one)}>${one.label}</button>`,
     )}</div>`;
 }
 
-const OTHERS = ['child', 'dog', 'horse'];
-
-/** Whose steps are others leads on by itself, once the body is there. */
-function takeBody({ name, is_object: isObject }) {
+/**
+ * Use this body. When it arrives, `followBody` of guide.js shows the guide of its kind.
+ * @param {Preset} preset
+ */
+export function takeBody({ name, kind }) {
   send({ do: 'preset', name });
-  if (name === 'child') return;
+  if (kind === 'child') return;
   setUi('box', null);
   setUi('tool', 'move');
-  if (isObject) takeThing(name);
+  if (kind === 'object') takeThing(name);
 }
 
 function takeThing(name) {
@@ -344,7 +349,7 @@ function takeThing(name) {
   setUi('guideStep', 0);
 }
 
-/** Of the preset until it is said. */
+/** The person's height: the preset's until it is entered. */
 function heightLine() {
   const { height_cm: value } = server.body;
   return html`<div class="row height"><label class="mut">Height</label>${numberField({

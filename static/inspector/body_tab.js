@@ -174,6 +174,8 @@ function motion(part, dof, wordy) {
   </button>`;
 }
 
+/** What the presets of a kind are listed under. */
+const PRESET_GROUPS = { adult: 'People', child: 'People', animal: 'Animals', object: 'Objects' };
 const HEIGHTS_CM = [100, 220];
 
 export function bodyTab() {
@@ -197,7 +199,7 @@ function whole() {
         options: body.presets.map((one) => ({
           id: one.name,
           label: one.label,
-          group: one.is_object ? 'Objects' : 'People',
+          group: PRESET_GROUPS[one.kind],
         })),
         act: (id) => send({ do: 'preset', name: id }),
         title: 'Use the sizes of a preset body. Keyframes are kept',

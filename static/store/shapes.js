@@ -125,7 +125,7 @@
  * @property {boolean} is_persons  Whether keypoints of a person can be compared with it.
  * @property {number} dof_count
  * @property {number} dof_total
- * @property {{ name: string, label: string, is_object: boolean }[]} presets
+ * @property {{ name: string, label: string, kind: 'adult' | 'child' | 'animal' | 'object' }[]} presets
  * @property {{ kind: string, label: string }[]} shapes
  * @property {{ label: string, parts: string[] }[]} lanes
  * @property {Part[]} parts

@@ -33,7 +33,9 @@ Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
 LEAST_TOWARD_COS = -0.9
 """Swings are not counted from a direction that lies nearly opposite to the part at rest."""
 
-PEOPLE = ("adult_male", "adult_female", "elderly_male", "elderly_female", "child")
+ADULTS = ("adult_male", "adult_female", "elderly_male", "elderly_female")
+CHILDREN = ("child",)
+PEOPLE = (*ADULTS, *CHILDREN)
 ANIMALS = ("dog", "horse")
 OBJECTS = ("box", "cylinder")
 """Rigid things of one part, to which others can be added."""

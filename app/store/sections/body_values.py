@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import astuple
+from typing import Final
 
 from keypose.app.editor.motion import angle_curve, angles_at, end_trail
 from keypose.app.editor.part_keyframes import keyed_limbs, keyed_words
@@ -13,13 +14,25 @@ from keypose.app.posing import at_limit, axis_labels, handles, part_label, part_
 from keypose.app.posing import lanes as lane_groups
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.tracker.body.body import OBJECTS, PRESETS, Body, Part, preset
+from keypose.tracker.body.body import (
+    ADULTS,
+    ANIMALS,
+    CHILDREN,
+    OBJECTS,
+    PRESETS,
+    Body,
+    Part,
+    preset,
+)
 from keypose.tracker.body.modify import can_have_clavicles, has_clavicles, height, without_clavicles
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.shapes import KINDS
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.keyframe import PartKeyframe
 from keypose.tracker.storage.results import listed, residual
+
+_PRESETS: Final = {"adult": ADULTS, "child": CHILDREN, "animal": ANIMALS, "object": OBJECTS}
+"""By their kind the bodies that come with the product."""
 
 
 def body(app_state: AppState) -> Json:
@@ -39,8 +52,9 @@ def body(app_state: AppState) -> Json:
         "dof_count": sum(len(part.tracked) for part in present_body.parts),
         "dof_total": 3 + 3 * len(present_body.parts),
         "presets": [
-            {"name": name, "label": part_label(name), "is_object": name in OBJECTS}
-            for name in PRESETS
+            {"name": name, "label": part_label(name), "kind": kind}
+            for kind, names in _PRESETS.items()
+            for name in names
         ],
         "shapes": [{"kind": kind, "label": part_label(kind)} for kind in KINDS],
         "lanes": [

@@ -9,6 +9,7 @@ import pytest
 
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
+from keypose.tracker.body.body import PRESETS, preset
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.geometry.rotations import Array
@@ -108,6 +109,15 @@ def test_where_no_error_is_expected_of_any_part_none_is_reported() -> None:
     nothing = np.full_like(some_errors(), np.nan)
     assert Sections().changed(expecting(None))["errors"] == []
     assert Sections().changed(expecting(nothing))["errors"] == []
+
+
+def test_every_preset_is_sent_with_its_kind_and_only_people_can_be_drafted() -> None:
+    sent = Sections().changed(AppState(edit=desk()))["body"]["presets"]
+    assert [one["name"] for one in sent] == list(PRESETS)
+    for named in sent:
+        edit = desk().with_doc(desk().doc.changed({"body": preset(named["name"]), "keyframes": ()}))
+        is_persons = Sections().changed(AppState(edit=edit))["body"]["is_persons"]
+        assert is_persons == (named["kind"] in ("adult", "child")), named
 
 
 def test_whether_keypoints_can_count_is_reported_of_the_body() -> None:

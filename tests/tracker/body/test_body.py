@@ -15,7 +15,7 @@ import trimesh
 
 from bench.bodies.animals import DOG, HORSE, Quadruped, make_animal
 from bench.bodies.people import as_json, make_body
-from keypose.tracker.body.body import PEOPLE, PRESETS, Body, Part, load_body, preset
+from keypose.tracker.body.body import ADULTS, PEOPLE, PRESETS, Body, Part, load_body, preset
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum
@@ -32,7 +32,6 @@ STATURE_M = {
     "elderly_female": 1.583,
     "child": 1.2125,
 }
-ADULTS = [name for name in PEOPLE if name != "child"]
 TABLE_1 = {
     "waist": 6,
     "chest": 3,
