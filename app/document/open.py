@@ -146,16 +146,16 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
         selected=session.subject.body.parts[0].name,
         timecode=opened.video.info.timecode,
     )
-    return with_kept_motion(state, opened.session_path), problem
+    return with_own_motion(state, opened.session_path), problem
 
 
-def with_kept_motion(state: EditorState, session_path: Path) -> EditorState:
+def with_own_motion(state: EditorState, session_path: Path) -> EditorState:
     """The state with the motion from before it was reduced, as the document names it; without one
     where that cannot be read: tracking, which starts from it, says why."""
-    kept = None
+    own_motion = None
     with suppress(SessionError):
-        kept = OwnMotion.of(state.doc, session_path.parent)
-    return replace(state, kept=kept)
+        own_motion = OwnMotion.of(state.doc, session_path.parent)
+    return replace(state, own_motion=own_motion)
 
 
 def _where_it_opens(opening: Pose, _body: Body, _video: Video) -> Pose:

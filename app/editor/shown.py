@@ -144,7 +144,9 @@ def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
         return ShownPose(held, "held")
     before, after = keyframes[place - 1], keyframes[place]
     here = np.array([frame])
-    motion = state.between(state.doc, before.frame, after.frame, here) if state.kept else None
+    motion = None
+    if state.own_motion is not None:
+        motion = state.between(state.doc, before.frame, after.frame, here)
     if motion is not None:
         return ShownPose(Pose(motion[0][0], motion[1][0]), "between")
     share = (frame - before.frame) / (after.frame - before.frame)

@@ -82,9 +82,9 @@ class EditorState:
     skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
     of the gestures that ended lately, whose late moves count no more.  compared: a document whose
     body is shown beside this one's, as an outline.  proposed_pins: what was proposed when the
-    pins changed last, until it is known anew; dismissed_pins: what was refused of it.  kept: the
-    motion from before it was reduced to keyframes.  posed_by_corners: poses of boxes whose corners
-    were put in their places, the latest last.
+    pins changed last, until it is known anew; dismissed_pins: what was refused of it.  own_motion:
+    the motion from before it was reduced to keyframes.  posed_by_corners: poses of boxes whose
+    corners were put in their places, the latest last.
     """
 
     doc: Session
@@ -103,7 +103,7 @@ class EditorState:
     proposed_pins: tuple[Pin, ...] = ()
     dismissed_pins: tuple[Pin, ...] = ()
     timecode: Timecode | None = None
-    kept: OwnMotion | None = None
+    own_motion: OwnMotion | None = None
     posed_by_corners: tuple[PosedByCorners, ...] = ()
 
     @property
@@ -171,9 +171,9 @@ class EditorState:
             else Skeleton.of(doc.subject.body)
         )
         begin, finish = at[start].pose(skeleton), at[end].pose(skeleton)
-        kept = None if self.kept is None else self.kept.over(doc, start, end)
-        if kept is not None:
-            trajectory = displaced(kept, begin, finish, start, end)
+        own = None if self.own_motion is None else self.own_motion.over(doc, start, end)
+        if own is not None:
+            trajectory = displaced(own, begin, finish, start, end)
             return trajectory.Rs_parent_part[frames - start], trajectory.ps_camera_root[
                 frames - start
             ]

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from keypose.app.document.library import Library
 from keypose.app.document.library.names import clean_name
-from keypose.app.document.open import OpenSession, with_kept_motion
+from keypose.app.document.open import OpenSession, with_own_motion
 from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.known import KnownMotion
@@ -215,7 +215,7 @@ class Store:
             return
         if before is not None:
             if self.opened and edit.doc.subject.first_motion != before.doc.subject.first_motion:
-                edit = with_kept_motion(edit, self.opened.session_path)
+                edit = with_own_motion(edit, self.opened.session_path)
             edit = edit.stamped(before, time.time())
             if self._app_state.opened is not None:  # an undone step may not know them
                 edit = edit.with_repeats(self._app_state.opened.repeats)

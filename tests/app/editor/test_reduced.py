@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from keypose.app.document.open import with_kept_motion
+from keypose.app.document.open import with_own_motion
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.motion import motion_between
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible, with_reduction
@@ -121,7 +121,7 @@ def test_a_corrected_keyframe_moves_its_two_stretches_and_nothing_else(tmp_path:
     frames = reduced(state.doc, found).frames
     own = save_own_motion(state.doc, tmp_path / "session.json", found.motion)
     done = with_reduction(state, found, frames, own, replacing=False)
-    done = with_kept_motion(done, tmp_path / "session.json")
+    done = with_own_motion(done, tmp_path / "session.json")
     at = 4
     turned = {"do": "angles", "part": "right_forearm", "x": -70, "free": True}
     corrected = after(done, {"do": "go", "frame": frames[at]}, turned)
@@ -143,7 +143,7 @@ def test_with_few_keyframes_the_motion_shown_is_still_what_it_was(tmp_path: Path
     frames = reduced(state.doc, found, 0.6).frames
     assert len(frames) <= 1 + LAST // 20 + 1
     own = save_own_motion(state.doc, path, found.motion)
-    done = with_kept_motion(with_reduction(state, found, frames, own, replacing=True), path)
+    done = with_own_motion(with_reduction(state, found, frames, own, replacing=True), path)
     now = shown(done)
     np.testing.assert_allclose(now.Rs_parent_part, found.motion.Rs_parent_part, atol=1e-9)
     np.testing.assert_allclose(now.ps_camera_root, found.motion.ps_camera_root, atol=1e-9)

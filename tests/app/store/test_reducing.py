@@ -87,12 +87,12 @@ async def test_its_keyframes_are_shown_applied_as_one_step_and_undone(path: Path
         assert desk.section("keys")["frames"] == coarse["frames"]
         assert desk.section("keys")["drafts"] == []
         assert desk.section("undo")["undo"] == "reduce to keyframes"
-        assert desk.edit.kept is not None
+        assert desk.edit.own_motion is not None
         desk.do({"do": "undo"})
         assert desk.edit.doc is before
-        assert desk.edit.kept is None
+        assert desk.edit.own_motion is None
         desk.do({"do": "redo"})
-        assert desk.edit.kept is not None
+        assert desk.edit.own_motion is not None
     assert load_session(path).subject.first_motion is not None
 
 
