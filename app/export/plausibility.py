@@ -23,7 +23,7 @@ from keypose.tracker.solver.fit_joints import JointFit, rigid
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
 LEAST_DETERMINED = 0.5
-"""Share of the parts that carry another one whose rotation the file's joints have to determine."""
+"""Least share of inner parts, which carry others, that the file's joints must show the turns of."""
 POOR = 0.04
 """Joint error, as a share of the body's extent, above what other people's proportions give."""
 UNLIKE = 1.6
@@ -142,7 +142,11 @@ def implausible(
     ps: Array,
     fit: JointFit,
 ) -> tuple[Note, ...]:
-    """Notes on what the joints do not tell, on proportions, on error and on depth."""
+    """Notes on what the joints do not tell, on proportions, on error and on depth.
+
+    bones: of the file as it is.  size: their median ratio, by which the body is larger than they
+    are.  ps (N, J, 3): joints as they were fitted.
+    """
     notes: list[Note] = []
     names = skeleton.body.names
     undetermined = _undetermined(skeleton, places)
@@ -169,7 +173,9 @@ def implausible(
 def _owner(skeleton: Skeleton, places: Sequence[BodyPoint], pair: tuple[int, int]) -> int:
     """The part that two places at a fixed distance lie on."""
     a, b = (places[j][0][0] for j in pair)
-    return b if skeleton.parents[a] == b else int(skeleton.parents[b]) if a != b else a
+    if a == b:
+        return a
+    return b if skeleton.parents[a] == b else int(skeleton.parents[b])
 
 
 def _extent(skeleton: Skeleton) -> float:

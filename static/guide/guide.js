@@ -1,7 +1,6 @@
 // The guide, to a draft of a new film or to a pose by hand: a card that ticks its steps off as they are done in
-// any way, and
-// gives way to the handles, to what is dragged and to its value. Once the pose is a
-// keyframe it is at its end, whichever step was shown.
+// any way, and gives way to the handles, to what is dragged and to its value. Once the pose is a keyframe it is at
+// its end, whichever step was shown.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop, keepsKey } from '../controls/focus.js';
@@ -180,7 +179,8 @@ function onKey(event) {
   const { key, ctrlKey, altKey, metaKey, repeat } = event;
   if (!isOpen() || !step?.done || ctrlKey || altKey || metaKey || repeat || ui.dragging) return;
   if (ui.sheet || ui.chooser || ui.menu || isTyping(event)) return;
-  const goesOn = key === 'Enter' && !keepsKey('Enter') && !(step.tool && ui.box);
+  const drafts = step.tool && ui.box; // by the Enter of handles/box.js
+  const goesOn = key === 'Enter' && !keepsKey('Enter') && !drafts;
   if (!goesOn && !step.key?.(key)) return;
   event.preventDefault();
   event.stopImmediatePropagation();
@@ -207,7 +207,7 @@ function goOn() {
   show(ui.guideStep + 1);
 }
 
-/** The old way, from its first step. */
+/** The guide to a pose by hand, from its first step. */
 function poseByHand() {
   setUi('guidePath', 'hand');
   setUi('tool', 'move');
@@ -377,7 +377,8 @@ function putLeft(card) {
 
 /** What is dragged or drawn behind the card, and its value, can be seen through it. */
 function fade(card) {
-  const draws = isDrawingTool(ui.tool) && (currentStep()?.tool !== ui.tool || interaction.sketch?.hold);
-  const gives = draws || (card && (isDragCoveredBy(card) || coversWords(card)));
-  card?.classList.toggle('behind', Boolean(gives));
+  // The tool of the step itself is in hand all the time: then only while a stroke is drawn.
+  const isDrawing = isDrawingTool(ui.tool) && (currentStep()?.tool !== ui.tool || interaction.sketch?.hold);
+  const isInTheWay = isDrawing || (card && (isDragCoveredBy(card) || coversWords(card)));
+  card?.classList.toggle('behind', Boolean(isInTheWay));
 }

@@ -35,6 +35,7 @@ export class CameraView extends View {
     return Boolean(ui.painted);
   }
 
+  /** The camera changed: the view looks by the new one. */
   newEye() {
     this.eye = server.camera && cameraEye(server.camera);
     this.screen.ariaLabel = isSurface() ? 'Picture of the surface' : 'Picture of the video';
@@ -42,7 +43,7 @@ export class CameraView extends View {
     this.fitToSize();
   }
 
-  /** The floor is drawn around the feet. */
+  /** The pose changed: the floor is drawn around the feet, and the body painted. */
   follow() {
     const hasFloor = Boolean(server.view?.floor);
     if (hasFloor || this.#hadFloor) this.redraw();
@@ -101,6 +102,7 @@ export class CameraView extends View {
     if (this.person.naturalWidth) place(this.person, this.person.naturalWidth, this.person.naturalHeight);
   }
 
+  /** Under the body: the picture's edge and the floor. */
   paper() {
     if (!server.camera) return nothing; // the session was just closed: the eye goes a moment later
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
@@ -121,6 +123,7 @@ export class CameraView extends View {
     )}</g>`;
   }
 
+  /** The view's name, on a plate so that it can be read over the film. */
   marks() {
     return this.label('plate');
   }

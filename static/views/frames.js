@@ -29,7 +29,11 @@ let film = '';
 let version = '';
 let wanted = -1;
 let shown = -1; // the frame whose picture is on the screen
-/** While playing: {run, lap, sent, sentAt, drawn, due, askedAt, n}. */
+/**
+ * While playing. run: how the film is played. lap: how often it has begun again. due: the frame that should be seen.
+ * sent, sentAt, n: the newest frame that the server was asked for, when, and the number of that message.
+ * drawn: the newest frame whose picture was drawn. askedAt: when pictures were asked for last.
+ */
 let play = null;
 /** Where playing left the playhead, {frame, n}: older answers of the server come after it. */
 let left = null;
@@ -227,6 +231,10 @@ function stopPlaying() {
   left = { frame: shown, n: sent === shown ? n : send({ do: 'go', frame: shown }) };
 }
 
+/**
+ * Ask the server for the newest decoded frame that is due. Its picture is drawn when the body is there
+ * (`followServer`), or after PATIENCE_MS.
+ */
 function tick(now) {
   if (!play) return;
   const due = dueAt(play.run, now);
@@ -248,7 +256,7 @@ function tick(now) {
 function fetchDue(due, now) {
   if (play.due === due && now - play.askedAt < AGAIN_MS) return;
   play.askedAt = now;
-  wanted = -1;
+  wanted = -1; // what arrives is drawn by `drawOnward` alone
   loadAround(due);
 }
 

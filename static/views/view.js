@@ -212,6 +212,7 @@ export class View {
     return { view: this.name };
   }
 
+  /** The view's name and the button that enlarges it; none in the large place. plate: a class of the style. */
   label(plate = '') {
     if (this.isInLargePlace) return nothing;
     const key = VIEW_KEYS[this.name];

@@ -47,8 +47,9 @@ class Measured:
     turn: from the keyframe's camera; zoom as a quotient.  covariance (4, 4).  error_px: median of
     the agreeing points' residuals, NaN where unknown.  uv (K, 2) and good (K,): the points tracked.
     share: of the points followed from the frame before, or of those in view, those that moved
-    alike, whichever is more.  lever (4, 2): how the turn and the logarithm of the zoom follow the
-    readout, of which `readout` (2,) was used.
+    alike, whichever is more.  readout (2,): of a rolling shutter, as it was assumed: the time from
+    the first column to the last and from the first row to the last, as a share of that between
+    frames.  lever (4, 2): the derivatives of the turn and of the logarithm of the zoom by it.
     """
 
     keyframe: int

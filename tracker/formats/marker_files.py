@@ -1,19 +1,19 @@
 """Write the motion as markers: TRC tables, and C3D by ezc3d.
 
-Points are those of the recording's markers (`keypose.tracker.formats.marker_sets`), in the world of
-all files (`keypose.tracker.body.ground`). Millimetres, as POINT:UNITS says. Points are single
-precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
-residual −1, "invalid" in C3D. The events are heel strikes and toe offs of a person who walks
-(`keypose.tracker.space.gait`). There are no analog channels. Frames are evenly spaced, as
-C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the
-motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
+Both have the recording's markers (`keypose.tracker.formats.marker_sets`), in the world of all files
+(`keypose.tracker.body.ground`).
 
-Markers are those of the recording (`keypose.tracker.formats.marker_sets`), in the same world.
-`Units` are those of the program whose markers they are. Columns
-are parted by tabs, and no tab ends a row: readers take it for one more column. Frames that are not
-tracked have `nan`, as OpenSim writes it, which refuses a row that ends with empty places. `Time`
-counts in seconds from the video's first frame and `Frame#` from 0; the rates in the header are the
-mean where times are uneven.
+C3D: millimetres, as POINT:UNITS says, in single precision, good to a thousandth of a millimetre.
+Where a frame is not tracked its points have the residual −1, "invalid" in C3D. The events are heel
+strikes and toe offs of a person who walks (`keypose.tracker.space.gait`). There are no analog
+channels. Frames are evenly spaced, as C3D allows nothing else, and numbered from 1: frame 0 of the
+video is frame 1. Where the motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
+
+TRC: `Units` are those of the program whose markers they are. Columns are parted by tabs, and no tab
+ends a row: readers take it for one more column. Frames that are not tracked have `nan`, as OpenSim
+writes it, which refuses a row that ends with empty places. `Time` counts in seconds from the
+video's first frame, and `Frame#` from 0, as in the video; the rates in the header are the mean
+where times are uneven.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ from keypose.tracker.formats.recording import MarkerSetName, Recording
 MM_PER_M = 1000.0
 
 LAST_FRAME = 65_534
+"""C3D has two bytes for a frame's number, and 65,535 there means "or later"."""
 MOST_POINTS = 255
-"""The file's numbers for these have two bytes and one; the largest frame means more than that."""
+"""C3D has one byte for how many there are."""
 
 LONGEST_LABEL = 127
 """Bytes of a point's name: some readers take a longer length for a negative one."""

@@ -1,9 +1,19 @@
 """One frame pair, a pass over a segment's pairs, and a chain that follows from one end.
 
 The motion x of a pair is held to its prediction: (q AᵀWA + Λ) δ = −(q AᵀW r + Λ x), solved again
-and again with the points warped to where they are then. This is DRIFT (10) with the 0/1 choice of
-directions replaced by σ²/(σ² + λ²): what the picture does not show follows the prediction, what it
-shows does not.
+and again with the points warped to where they are then. A, W and r are the rows, robust weights and
+residuals of the followed points, Λ the prior's precision; q is the independent observations that a
+point stands for, over the variance of the residuals. This is DRIFT (10), whose choice of directions
+is 0 or 1: here a direction of singular value σ in √q A counts by σ²/(σ² + λ²), where λ² is the
+prior's precision along it. What the picture does not show follows the prediction, what it shows
+does not.
+
+Arguments of several functions: `body`, `lens`, `visibility`, `prior` are as in `layout`. HR
+(P, 3, 3), Ho (P, 3) turn and move points of the parts to the camera. uvz, seen, depth and owner are
+as `see` fills them. chosen, grey and starts are the followed points, their brightness in the first
+picture, and where each part's begin, as `pick` fills them. of: one of so many neighbouring points
+is followed. slots: where frames lie in `pictures`. inner: solves at most; stop: they end at an
+update whose largest component is less.
 """
 
 from __future__ import annotations
@@ -72,7 +82,8 @@ def linearise(body, chosen, grey, starts, R, t, picture, lens, loss, width, N, h
     points comes back.
     """
     parts = body.parents.shape[0]
-    HR, Ho, S = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((b.shape[0], 6))
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
+    twists = np.empty((b.shape[0], 6))
     rows, unseen = np.empty((9, BLOCK), np.float32), np.empty(0, np.uint8)
     place_parts(body, R, t, HR, Ho)
     centre = Ho[0].copy()
@@ -98,9 +109,9 @@ def linearise(body, chosen, grey, starts, R, t, picture, lens, loss, width, N, h
     for i in range(parts):
         for a in range(3):
             Ho[i, a] -= centre[a]
-    camera_twists(body, HR, Ho, S)
+    camera_twists(body, HR, Ho, twists)
     sum_subtrees(body, N)
-    normal_equations(body, N, S, A, b)
+    normal_equations(body, N, twists, A, b)
     return points
 
 
@@ -286,12 +297,23 @@ def follow_chain(
         x[:] = 0.0
         for level in range(len(levels) - 1, finest - 1, -1):
             scale = 0.5**level
-            every = 4 if level >= 2 else 1
-            kept = max(1, of // 2) if level >= 2 else of
+            is_coarse = level >= 2  # it has few pixels: fewer points lie as close
+            every = 4 if is_coarse else 1
+            neighbours = max(1, of // 2) if is_coarse else of
             pictures = levels[level]
             here = scaled_lens(lens, scale)
             pick(
-                body, uvz, seen, pictures[slots[j]], here, scale, kept, every, chosen, grey, starts
+                body,
+                uvz,
+                seen,
+                pictures[slots[j]],
+                here,
+                scale,
+                neighbours,
+                every,
+                chosen,
+                grey,
+                starts,
             )
             solve_pair(
                 body,

@@ -39,9 +39,10 @@ def pose_surface(p_part, n_part, parts, shares, Ts_camera_part, p_each, p_camera
 def distance_to_others(points, normals, part, apart, grid, reach, distance):
     """Signed distance of every point to the nearest point of another part.  SURFACE (1)
 
-    apart (V, P): whether a point may touch a part; where it is joined to it, it may not. The sign
-    is that of the side of the other part's surface: negative inside it. Fills distance (V,), which
-    is infinite where no other part is within reach.
+    points, normals (V, 3); part (V,): whose each is.  apart (V, P): whether a point may touch a
+    part; where it is joined to it, it may not.  grid: of the points, as in `cells`. The sign is
+    that of the side of the other part's surface: negative inside it. Fills distance (V,), which is
+    infinite where no other part is within reach.
     """
     low, per, counts, starts, order = grid
     rings = np.int64(reach * per) + 1
@@ -76,12 +77,14 @@ def distance_to_others(points, normals, part, apart, grid, reach, distance):
 def pull(p_each, shares, groups, model, target, normals, weights, n_model, plane, A, b):
     """The normal equations of pairs, summed over the points that the same parts carry.
 
-    Pair i draws model point model[i] to target (N, 3): along normals (N, 3) where `plane` is 1,
-    in all three directions where it is 0, between where it is between. A row of its Jacobian is
-    that of a swelling, the model's point moved along its own normal (n_model, (V, 3)) by a sum of
-    the squares and √2 times the products of that normal's coordinates (xx, yy, zz, xy, yz, zx),
-    and then (n, p × n) for each of the two parts, times a twist [velocity at the origin, turn].
-    Fills A (G, 18, 18) and b (G, 18) for the G groups; returns the weighted sum of squares.
+    Pair i draws model point model[i] to target (N, 3), with weights (N,): along normals (N, 3)
+    where `plane` is 1, in all three directions where it is 0, between where it is between. A row of
+    its Jacobian has 18 columns. The first 6 are of a symmetric matrix Q by which the whole surface
+    swells: a point with the normal m (n_model, (V, 3)) moves by mᵀQm along it; they are Qxx, Qyy,
+    Qzz, √2 Qxy, √2 Qyz, √2 Qzx. Then 6 for each of the point's two parts, (n, p × n), of its twist
+    [velocity at the origin, turn].
+    groups (V,): which of the G pairs of parts carries a point. Fills A (G, 18, 18) and b (G, 18),
+    the sums of each pair of parts; the weighted sum of squares comes back.
     """
     A[:] = 0.0
     b[:] = 0.0

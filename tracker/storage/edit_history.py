@@ -6,10 +6,10 @@
 
 The first two also have "revision", and "clients" where these changed: see Received.
 
-`doc` are the changes from the document before; `kept` are the steps of the history that stay: the
-past's first and behind its last, the future's number. `past` and `future` are the new steps, each
-with "doc", the changes from the document before, and "made", seconds since 1970 where they are
-known. A mark is a digest of the document, by which the session file is found in the journal.
+`doc` are the changes from the document before. `kept` is [first, stop, count]: past[first:stop] and
+future[:count] of the history before stay. `past` and `future` are the new steps, each with "doc",
+the changes from the document before, and "made", seconds since 1970 where they are known. A mark is
+a digest of the document, by which the session file is found in the journal.
 """
 
 from __future__ import annotations

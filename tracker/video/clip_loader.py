@@ -51,7 +51,10 @@ LONGEST_SEGMENT = 2000
 """Most frames between two keyframes that can be tracked."""
 FAR_OUT = 1e6
 """Pixels beyond which a polygon's corner lies anyway outside every picture."""
+COVERED = 250
+"""Of 255 (`_film_coverage`): the least that counts as inside the film's picture."""
 PLATE_FRAMES = 41
+"""Frames of which a static camera's empty scene is the median."""
 PANORAMA_FRAMES = 81
 """Of a camera that turns: each place is seen in some of them only."""
 
@@ -150,8 +153,9 @@ class ClipLoader:
     ) -> Clip:
         """A clip that holds the frames first … last, both included, and maybe others.
 
-        needed: what of the working pictures it shows at least; it can show more later
-        (`Clip.cover`); None for all of them.  wanted: what is prepared where something is.
+        needed: the window of the working pictures that it shows at least; it can show more later
+        (`Clip.cover`); None for all of them.  wanted: the larger window to prepare where anything
+        has to be prepared.
         """
         require_short(first, last)
         with self._lock:
@@ -208,7 +212,7 @@ class ClipLoader:
     def _prepare_clip(self, first: int, last: int, window: Window) -> Clip:
         """A clip in which frames that are ready are not prepared again. They are taken over before
         room is made: to go back to them, a decoder would have to begin long before."""
-        made = _Making.of(first, last, window, self._fitted(None))
+        made = _ClipBuffers.of(first, last, window, self._fitted(None))
         taken = {frame for frame in range(first, last + 1) if self._take_over(frame, made)}
         self._make_room(_size(made.levels))
         self._fill(made, taken)
@@ -224,14 +228,14 @@ class ClipLoader:
                 return shown  # by another thread, meanwhile
             wanted = self._fitted(window.joined(shown.window))
             first = clip.first_frame
-            made = _Making.of(first, first + len(clip) - 1, wanted, self._fitted(None))
+            made = _ClipBuffers.of(first, first + len(clip) - 1, wanted, self._fitted(None))
             self._make_room(_size(made.levels), keep=clip)
             self._fill(made, ())
             prepared = Prepared(made.levels, wanted)
             clip.show(prepared)
             return prepared
 
-    def _take_over(self, frame: int, made: _Making) -> bool:
+    def _take_over(self, frame: int, made: _ClipBuffers) -> bool:
         """Copy a frame's pictures, where a ready clip shows as much of it; whether one does."""
         for clip in list(self._ready.values()):
             if 0 <= frame - clip.first_frame < len(clip) and clip.shown.holds(made.window):
@@ -239,7 +243,7 @@ class ClipLoader:
                 return True
         return False
 
-    def _fill(self, made: _Making, taken: Collection[int]) -> None:
+    def _fill(self, made: _ClipBuffers, taken: Collection[int]) -> None:
         """Prepare all other frames."""
         for frame, grey, usable in self._missing(made.first, made.last, taken):
             made.put(frame, grey, usable, self._buffers)
@@ -297,21 +301,21 @@ class ClipLoader:
         if masks:
             usable[self._masked(masks, index)] = IGNORED
         if beyond:
-            usable[self._shown(index) < 250] = IGNORED
+            usable[self._film_coverage(index) < COVERED] = IGNORED
         elif self.camera.is_distorted:
             usable[self._beyond_lens(index) == IGNORED] = IGNORED
         return usable
 
-    def _shown(self, frame: int) -> NDArray[np.uint8]:
-        """255 where the film has a picture of a frame."""
+    def _film_coverage(self, frame: int) -> NDArray[np.uint8]:
+        """255 where the film has a picture of a frame, 0 beyond it, between at its edge."""
         white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
         return self.working(white, frame)
 
     def _beyond_lens(self, frame: int) -> Usable:
         """The rectified picture's pixels, but for those that the lens never showed."""
         if self._beyond is None:
-            shown = self._shown(frame) >= 250
-            self._beyond = np.where(shown, np.uint8(USABLE), np.uint8(IGNORED))
+            is_covered = self._film_coverage(frame) >= COVERED
+            self._beyond = np.where(is_covered, np.uint8(USABLE), np.uint8(IGNORED))
         return self._beyond
 
     def _masked(self, masks: Sequence[IgnoreMask], frame: int) -> NDArray[np.bool_]:
@@ -342,16 +346,17 @@ class ClipLoader:
         return self._put_together(self.working, PANORAMA_FRAMES // 2)
 
     def _put_together(
-        self, made: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]], most: int
+        self, prepared: Callable[[NDArray[np.uint8], int], NDArray[np.uint8]], most: int
     ) -> Panorama:
+        """The background of `most` frames at most, each prepared from its RGB picture."""
         assert self.turns is not None
-        shown = []
+        pictures = []
         for frame in sampled(self.turns, most):
             for _, rgb in self.video.frames(frame, frame + 1):
                 if rgb is not None:
-                    is_background = self._shown(frame) > 250
-                    shown.append(Shown(made(rgb, frame), is_background, self.turns[frame]))
-        return panorama_of(self.size.camera(self.camera), shown)
+                    is_covered = self._film_coverage(frame) > COVERED
+                    pictures.append(Shown(prepared(rgb, frame), is_covered, self.turns[frame]))
+        return panorama_of(self.size.camera(self.camera), pictures)
 
     def _median_picture(self) -> FloatPicture:
         """The static background: every pixel's median over frames spread over the video."""
@@ -367,7 +372,7 @@ class ClipLoader:
 
 
 @dataclass(frozen=True, eq=False)
-class _Making:
+class _ClipBuffers:
     """Arrays of a clip of the frames first … last that are being filled."""
 
     first: int
@@ -377,7 +382,7 @@ class _Making:
     overview: Overview
 
     @classmethod
-    def of(cls, first: int, last: int, window: Window, whole: Window) -> _Making:
+    def of(cls, first: int, last: int, window: Window, whole: Window) -> _ClipBuffers:
         """Room for all frames."""
         count = last - first + 1
         levels = tuple(np.empty((count, h, w, 4), np.int16) for h, w in window.sizes)

@@ -15,8 +15,8 @@ SESSION = "session.json"
 def find_sessions(paths: Sequence[Path]) -> tuple[Path, ...]:
     """The session files, absolute, each once, in the order they were named; a folder's by name.
 
-    A file stands for itself, a folder for all sessions in it and below, hidden folders left out
-    and links not followed; what was set aside of a session is none of its own.
+    A file stands for itself, a folder for all sessions in it and below, without hidden files and
+    folders, links, and the copies that `set_aside` makes of what another program wrote.
     SessionError when a path is not there or a folder has none.
     """
     session_of_path: dict[str, Path] = {}

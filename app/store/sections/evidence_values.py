@@ -115,6 +115,8 @@ def network_label(model: Model) -> str:
 _CALLED: Final = {"thunder": "MoveNet Thunder"}
 
 SHOWN: Final = (*JOINTS, *HEAD_POINTS, "right_ear")
+"""Keypoints that the page shows; `HEAD_POINTS` has the left ear alone, whose mirror image is the
+right one."""
 
 
 def keypoints(app_state: AppState) -> Json:

@@ -33,13 +33,11 @@ export const lane = {
 
 const HIDDEN_BELOW = 0.35;
 
-/**
- * One value per frame for several parts: half their mean, half the worst of them, since a limb
- * whose hand is hidden is not seen well however well the arm is. NaN where no part has a value.
- */
+/** Half the mean of several parts, half the worst: a limb whose hand is hidden is not seen well. */
 const meanAndWorst = (sum, count, worst) => (sum / count + worst) / 2;
 const worstOf = (sum, count, worst) => worst;
 
+/** One value a frame of several parts' series, by `how(sum, count, worst)`; NaN where no part has a value. */
 function combine(series, how) {
   const result = new Float32Array(Math.max(0, ...series.map((values) => values.length)));
   for (let i = 0; i < result.length; i += 1) {

@@ -35,7 +35,7 @@ from keypose.tracker.video.pyramid import LEVELS
 STRAY_PX = 3.0
 """Beyond it an edge counts less."""
 INFORMATION = 0.3
-"""Independent observations that one line stands for."""
+"""Independent observations that a sampled edge counts for: neighbours err alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,8 @@ class EdgeDistances:
         thicker = (self.part[:, None] == np.arange(parts)).astype(float)
         r = self._offsets_px(p)
         rows = np.concatenate([outward, thicker, r[:, None]], axis=1)
-        weighed = outward * self.weights[:, None]  # so small that threads of a product only cost
+        weighed = outward * self.weights[:, None]
+        # einsum, not @: of a matrix so small, threads of a product cost more than they save
         A, cross, b = np.split(np.einsum("md,me->de", weighed, rows), [dofs, dofs + parts], axis=1)
         precision, pull = self._thickness(r, parts)
         share, cost = cross / precision, self._cost(r, precision, pull)
@@ -114,12 +115,13 @@ class EdgeDistances:
 SOLVES = (10, 8, 8)
 """Solves at most at each level of the pyramid, finest first."""
 ROUGH = 4
-"""Of the finest ones, the first few still allow the pose to be far off."""
+"""Solves of the finest level in which the pose may still be far off."""
 REACH_M = (0.03, 0.055, 0.1)
 """How far from an edge the picture's own is sought, at each level."""
 LOOK_AGAIN = 3
+"""Solves after which it is found anew which parts are visible."""
 LEARN_AGAIN = 3
-"""Solves after which visibility and colours are found anew."""
+"""Solves after which the colours are learnt anew."""
 DECISIVE = 1.0
 """Information of the picture, as a share of the prior's, above which it decides a direction."""
 

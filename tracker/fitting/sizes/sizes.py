@@ -5,6 +5,9 @@ picture. But its contour is then too wide or too narrow, its hands and feet end 
 late. Here the sizes of all parts and the poses of all keyframes are unknown together: contours must
 lie where the pictures show them, joints stay about where they were posed, and sizes stay what they
 were unless the pictures contradict.
+
+Arrays (S + 2,) are as `Shared.values`: logarithms of ratios, S sizes (of each group of parts the
+length, then the width), then the focal length, then the distance.
 """
 
 from __future__ import annotations
@@ -56,10 +59,13 @@ LEAST_PX = (2.0, 0.8)
 """A size is changed where that is so many standard deviations, and where it moves an end, or
 both sides together, by so many pixels."""
 PLAUSIBLE = (0.12, 0.26)
-"""Logarithms of length and thickness beyond which a size is implausible: people differ less from
-a body that was once fitted by eye, and shoes, hair and wide clothes ask for more."""
+"""Logarithms of the largest plausible ratios of length, 13 %, and thickness, 30 %. Lengths differ
+by less from those of a body that was posed over the picture by eye; shoes, hair and wide clothes
+make parts look thicker by more than that."""
 PLAUSIBLE_FOCAL = 0.3
+"""The same of the focal length, 35 %."""
 LEAST_FOCAL = 0.02
+"""The logarithm of the least ratio by which the focal length is changed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,13 +138,15 @@ def _set_up(
 ) -> SharedFit:
     proportions = Proportions.of(body)
     perspective = camera.projection == "perspective"
-    free = np.ones(proportions.count + 2, dtype=np.bool_)
+    free = np.ones(proportions.count + 2, dtype=np.bool_)  # (S + 2,), as what follows
     free[-2:] = focal and perspective, perspective
     is_trunk = proportions.is_trunk[[group[0] for group in proportions.groups]]
     sizes = np.where(is_trunk[:, None], TRUNK_SHARES, (LENGTH_SHARE, WIDTH_SHARE)).ravel()
     share = np.append(sizes, (FOCAL_SHARE, DISTANCE_SHARE))
     allowed = Limits.of(body).widened([pose.Rs_parent_part for pose in posed])
-    return SharedFit(proportions, camera, tuple(posed), zoom, allowed, free, share, share)
+    return SharedFit(
+        proportions, camera, tuple(posed), zoom, allowed, free, usual=share, share=share
+    )
 
 
 def _find_sizes(

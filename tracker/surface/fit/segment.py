@@ -130,7 +130,7 @@ class SurfaceTracker:
             range(at + 1, last + 1) if chain[0].frame == first else range(at - 1, first - 1, -1)
         )
         for link in follow(self.model, self._steps, chain, onward, self._options):
-            chain[-1] = replace(chain[-1], reliability=None)
+            chain[-1] = replace(chain[-1], reliability=None)  # only the last link needs its own
             chain.append(link)
             reporter.report(chain)
 
