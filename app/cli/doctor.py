@@ -297,7 +297,6 @@ _MARKS = {"ok": "ok", "note": "note", "warning": "warning", "error": "ERROR"}
 
 
 def run(arguments: argparse.Namespace) -> int:
-
     findings = []
     for finding in examine(arguments.workspace):
         findings.append(finding)

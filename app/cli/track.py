@@ -17,7 +17,8 @@ from keypose.tracker.storage.files import load_session, save_session
 
 
 def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
-    """The session as the film was taken, which its file says too, unless a copy is tracked."""
+    """The session with what the command line says of how the film was taken. That is saved, too,
+    unless a copy is tracked (`--out`)."""
     if not (taken := said(order_of(FilmTaken, arguments))):
         return session
     from keypose.app.editor.camera import as_taken  # which loads the page's edits
@@ -30,8 +31,11 @@ def _as_taken(session: Session, arguments: argparse.Namespace) -> Session:
 
 
 def _with_camera(session: Session, asked: Session, arguments: argparse.Namespace) -> Session:
-    """The session with its camera's motion, where that is asked for and nobody knows it; its file
-    has it too, unless a copy is tracked."""
+    """The session with its camera's motion, which is found where that is asked for and it is not
+    known. It is saved, too, unless a copy is tracked.
+
+    asked: the session with the settings of this run, which are not saved.
+    """
     if not is_camera_wanted(asked):
         return session
     with locked_place(arguments) as place, share_reporter(arguments.json) as report:

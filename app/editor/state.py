@@ -33,7 +33,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Display:
-    """How the views are drawn; shared by all tabs, not part of the document."""
+    """How the views are drawn, and how gestures act; shared by all tabs, not part of the document.
+
+    live: whether segments are tracked while a keyframe beside them is moved.  limits: whether
+    joints stop at their limits.  axes: about which a part is turned and along which it is moved.
+    link: whether a size of one side is changed on the other, too.  tint: what the colours of an
+    observed surface show.
+    """
 
     mode: Literal["wire", "solid", "both"] = "both"
     opacity: float = 0.5

@@ -32,11 +32,17 @@ FREE = frozen(np.tile([-math.inf, math.inf], (3, 1)))
 """A box without limits."""
 
 _SWEEPS = 12
+"""Sweeps over the three angles at most; most descents end sooner."""
 _ROUNDS = 20
+"""Times at most that angles and twist are corrected in turn."""
 _HALVINGS = 20
-"""Of searches that end sooner as a rule."""
+"""Halvings of the way to the middle of the range."""
 _STEP = math.radians(2.0)
 """So finely a turn is looked at for where it meets a limit."""
+_REFINEMENTS = 3
+"""Times that the step in which it meets one is looked at more finely."""
+_FINER = 16
+"""By how much more finely each time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +117,7 @@ def beyond(angles: Array, box: Array) -> Array:
 
 def fitting(rotations: Array, box: Array | None) -> Array:
     """The triple of angles [x, y, z] (..., 3) of each rotation (..., 3, 3) that lies deepest in
-    the box; of two as deep the plain one."""
+    the box; of two as deep the first of `triples`."""
     both = triples(rotations, box)
     if box is None:
         return np.asarray(both[..., 0, :])
@@ -148,7 +154,7 @@ def furthest_share(path: Callable[[Array], Array], angle: float, allowed: JointR
     """
     low, high = 0.0, 1.0
     count = max(3, math.ceil(abs(angle) / _STEP) + 1)
-    for _ in range(4):
+    for _ in range(1 + _REFINEMENTS):
         shares = np.linspace(low, high, count)
         outside = allowed.beyond(path(shares)) > SLACK
         if not outside.any():
@@ -157,7 +163,7 @@ def furthest_share(path: Callable[[Array], Array], angle: float, allowed: JointR
         if first == 0:
             return low
         low, high = float(shares[first - 1]), float(shares[first])
-        count = 17
+        count = 1 + _FINER
     return low
 
 
@@ -182,6 +188,7 @@ def _toward_middle(rotation: Array, allowed: JointRange) -> Array:
 
 
 def _nearest_in_box(rotation: Array, box: Array) -> Array:
+    """The rotation with angles in the box that is the least turn away."""
     if _beyond_either(rotation, box) <= SLACK:
         return rotation
     starts = np.clip(triples(rotation, box), box[:, 0], box[:, 1])
@@ -247,6 +254,7 @@ def _clamped(angle: float, low: float, high: float) -> float:
 
 
 def _about(axis: int, angle: float) -> Array:
+    """The rotation (3, 3) about x, y or z (0, 1, 2) by radians."""
     c, s = math.cos(angle), math.sin(angle)
     if axis == 0:
         return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])

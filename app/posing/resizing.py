@@ -30,7 +30,7 @@ LOWEST_CM = 1.0
 HIGHEST_CM = 10_000.0
 """Of a size, and of a body's height."""
 
-_LADDER = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, LARGEST_CM)
+_SLIDER_ENDS_CM = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, LARGEST_CM)
 
 _ENDS = {
     "upper_arm": ("shoulder", "elbow"),
@@ -174,7 +174,7 @@ def _require_between(quantity: str, cm: float, low: float, high: float) -> None:
 
 def _span(cm: float) -> tuple[float, float]:
     """What a slider spans: steady while the size changes a little."""
-    high = next((step for step in _LADDER if step >= 1.6 * cm), LARGEST_CM)
+    high = next((step for step in _SLIDER_ENDS_CM if step >= 1.6 * cm), LARGEST_CM)
     return max(SMALLEST_CM, high / 100), high
 
 
@@ -252,7 +252,8 @@ def _key(context: GestureContext, handle: SizeHandle) -> str:
 
 
 def _worth(key: str) -> float:
-    """Whole widths grow at both sides when one is dragged."""
+    """How much a size grows for every metre that its surface is pulled outward: what is measured
+    across grows at both sides."""
     return 2.0 if key.endswith(("width", "depth", "radius")) else 1.0
 
 
@@ -275,25 +276,28 @@ def _way(
 
 
 def _along(axis: Array, pulled: Array, view: PointerView, joint: Array) -> float:
-    """Metres along an axis, given as it is seen: units of the view for a metre."""
-    unit_of_view = 1.0 / view.metres_per_unit(joint)
-    shown_length = length(axis) / unit_of_view
-    if shown_length < _SEEN:
-        return -float(pulled[1]) / unit_of_view
+    """Metres that the pointer pulled along an axis.
+
+    axis, pulled (2,): as they are seen, the axis for a metre along it.
+    """
+    units_per_metre = 1.0 / view.metres_per_unit(joint)
+    shown_length = length(axis) / units_per_metre
+    if shown_length < _SEEN:  # then upward makes it longer
+        return -float(pulled[1]) / units_per_metre
     return float(pulled @ axis) / float(axis @ axis)
 
 
 def _outward(slope: Array, T: Array, pulled: Array, gesture: Gesture, view: PointerView) -> float:
     """Metres at right angles to the part's line, away from it on the side of the pointer."""
     axis = slope @ T[:3, 1]
-    unit_of_view = 1.0 / view.metres_per_unit(T[:3, 3])
+    units_per_metre = 1.0 / view.metres_per_unit(T[:3, 3])
     begun = np.array(gesture.from_) - view.project(T[:3, 3])
-    if length(axis) < _SEEN * unit_of_view:
+    if length(axis) < _SEEN * units_per_metre:
         normal = begun if length(begun) > 0 else np.array([1.0, 0.0])
     else:
         normal = np.array([-axis[1], axis[0]])
         normal = normal if float(normal @ begun) >= 0 else -normal
-    return float(pulled @ normal) / length(normal) / unit_of_view
+    return float(pulled @ normal) / length(normal) / units_per_metre
 
 
 def _joint_moved(

@@ -30,7 +30,11 @@ _Read: TypeAlias = Callable[[], Keypoints | None]
 
 @dataclass(frozen=True, eq=False)
 class _Question:
-    """Which keypoints; the same where all that decides it is unchanged."""
+    """Which keypoints are asked for.
+
+    made_of: all that decides the answer: while it is unchanged, the question is the same one.
+    read: finds the answer.
+    """
 
     made_of: tuple[Any, ...]
     read: _Read
@@ -80,12 +84,14 @@ class KeypointFinder:
         self._show(KnownKeypoints(of_segment, of_file))
 
     def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
-        """None where it was not asked yet."""
+        """The answer to a question as a tuple of one, since it may be None; None where it was not
+        asked yet."""
         return next(
             ((keypoints,) for asked, keypoints in self._answers if _is_same(asked, question)), None
         )
 
     def _read_before(self, question: _Question) -> Keypoints | None:
+        """The answer to a question that was read; None where there is none."""
         return next(iter(self._answer(question) or ()), None)
 
     async def _read(self, question: _Question) -> None:
@@ -100,7 +106,7 @@ def _is_same(before: _Question, question: _Question) -> bool:
 
 
 def _or_none(read: _Read) -> Keypoints | None:
-    """Tracking says what is wrong with a file; here nothing of it is shown."""
+    """What is read; None where that fails: tracking says what is wrong with a file."""
     try:
         return read()
     except KeyposeError:

@@ -35,7 +35,7 @@ export function cameraWords() {
     : 'Nobody has looked how the camera moves.';
 }
 
-/** Of a film in which the camera moves nobody knows how: that is worth finding. */
+/** Whether the camera moves and nobody knows how: that is worth finding. */
 export const isCameraUnknown = () => doesMove() && cameraKind() === null;
 
 export const isFindingCamera = () => server.job?.state === 'running' && server.job.kind === 'camera';
@@ -47,7 +47,8 @@ export function whyNotFindCamera() {
 }
 
 /**
- * Say how it moves: that it stands still counts at once, a motion that is there as well, another is found.
+ * A person says how it moves. That it stands still counts at once, and so does a motion of this kind that was found
+ * before; otherwise one is looked for.
  * @param {CameraKind} kind
  */
 export function setCameraKind(kind) {
@@ -83,10 +84,10 @@ export function whyNotCameraHorizon() {
   return whyNotMatchCamera() || (isUpKnown() ? '' : 'Say what is up first: draw the horizon');
 }
 
-/** What is not known of it, or not as surely. @returns {CameraFinding[]} */
+/** What is unknown or doubtful of the motion. @returns {CameraFinding[]} */
 export const cameraFindings = () => motion()?.findings ?? [];
 
-/** Whether it is about some frames, not about the film. @param {CameraFinding} found */
+/** Whether a finding is about some frames, not about the whole film. @param {CameraFinding} found */
 export const hasFrames = ({ kind }) => !OF_ALL_FRAMES.includes(kind);
 
 /** @param {CameraFinding} found */

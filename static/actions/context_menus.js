@@ -9,7 +9,7 @@ import { frame, isKey } from './playhead.js';
 
 /** @typedef {import('./actions.js').ActionId} ActionId */
 
-/** @type {Record<string, { title: string, groups: ActionId[][] }>} */
+/** title: what the menu belongs to. @type {Record<string, { title: string, groups: ActionId[][] }>} */
 export const CONTEXTS = {
   part: {
     title: 'a part',
@@ -75,7 +75,7 @@ export function contextEntries(name, about = {}) {
 function entry(id, about) {
   const why = whyNot(id, about);
   const isElsewhere = typeof about === 'number' && about !== frame();
-  const { alone } = entryOf(id);
+  const { alone } = entryOf(id); // its name without the heading that it has elsewhere
   const label = alone ? { label: alone } : {};
   return menuItem(id, about, { ...label, ...(why || isElsewhere ? { right: why } : {}) });
 }

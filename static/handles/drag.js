@@ -1,6 +1,6 @@
-// A drag under way: each message says what it does from where it began. The body stays where it was
-// last seen, for how it follows only the server knows. Each message says what it does from where it
-// began, so that only the newest counts and a lost one does no harm.
+// A drag under way. The body stays where it was last seen, for how it follows only the server knows.
+// Each message says what the drag does from where it began, so that only the newest counts and a lost
+// one does no harm.
 
 import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { paced } from '../controls/gesture.js';

@@ -28,6 +28,7 @@ export function masksIn(view) {
   });
 }
 
+/** The border, by which the whole mask is moved. */
 function wholeOf(mask, corners) {
   const { index, polygon } = mask;
   return {
@@ -44,6 +45,7 @@ function wholeOf(mask, corners) {
   };
 }
 
+/** Every corner, and the middle of every edge, out of which a new corner is pulled. */
 function cornersOf(mask, corners) {
   const { index, polygon } = mask;
   return corners.flatMap((at, i) => {
@@ -104,6 +106,7 @@ function deleteCorner(index, polygon, corner) {
   if (polygon.length > 3) send({ do: 'change_mask', index, polygon: polygon.filter((_, i) => i !== corner) });
 }
 
+/** Begin to drag a target; `from` and `at` are pixels of the film. */
 function begin(view, press, target, from) {
   const messageAt = (at) => ({
     do: 'change_mask',

@@ -15,6 +15,8 @@ const LOST_MS = 2000;
 const LONG_MS = 8000;
 
 let downSince = 0;
+/** Why nothing can be sent: null while it can, else 'lost', 'long' after LONG_MS, or 'ended' where the browser is no
+ * longer let in. */
 ui.line = null;
 
 export function mountConnection() {
@@ -38,7 +40,7 @@ function tick() {
 }
 
 ui.readOnlyRead = null; // the file whose banner was put away
-ui.flatRead = false;
+ui.flatRead = false; // whether the banner about WebGL was put away
 
 export function mountBanner() {
   const place = addOnTop('banner', 'div');
@@ -69,16 +71,16 @@ function banner() {
   return ui.flat && server.file && !ui.flatRead ? flat() : nothing;
 }
 
-/** It stirs while one drags: what is done shows only when the line is back. */
+/** It pulses during a drag, whose effect shows only once the connection is back. */
 function noLine() {
   const pulse = ui.dragging ? 'pulse' : '';
   return html`<div class="row banner lost ${pulse}" role="alert">
-    ${icon('warn')}<span>${ui.line === 'ended' ? isTurnedAway() : isAway()}</span>
+    ${icon('warn')}<span>${ui.line === 'ended' ? turnedAwayWords() : lostWords()}</span>
   </div>`;
 }
 
-/** A Keypose that was started with another workspace looks just like cookies that were deleted. */
-function isTurnedAway() {
+/** The server does not know the browser: cookies were deleted, or Keypose was started with another workspace. */
+function turnedAwayWords() {
   const waiting = backlog();
   const why = hasKey()
     ? 'Keypose does not know this browser any more.'
@@ -87,7 +89,7 @@ function isTurnedAway() {
   return html`<b>${why}</b> Open the newest link in the terminal.${edits}`;
 }
 
-function isAway() {
+function lostWords() {
   const advice = ui.line === 'long' ? ' If Keypose has ended, start it again.' : '';
   return html`<b>Connection lost.</b> ${waitingEdits()} will be sent when it is back.${advice}`;
 }
@@ -134,6 +136,7 @@ function readOnly(words) {
   return dismissible('lock', what, () => setUi('readOnlyRead', server.file.path));
 }
 
+/** The browser draws no 3D. */
 function flat() {
   const words = html`<b>WebGL is off, so the body is shown in the camera view alone.</b>
     Turn on hardware acceleration in the browser’s settings, or use another browser.`;

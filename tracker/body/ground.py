@@ -60,7 +60,10 @@ LEAST_AHEAD = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """R_ground_camera: (3, 3).  p_ground_camera: (3,) the camera's centre, metres."""
+    """A frame that stands on the floor: y up, the floor at zero.
+
+    R_ground_camera: (3, 3).  p_ground_camera: (3,) the camera's centre, metres.
+    """
 
     R_ground_camera: Array
     p_ground_camera: Array

@@ -53,7 +53,9 @@ FORMAT = "keypose camera"
 VERSION = 1
 VERSION_OF_MOVING = 2
 DECIMALS = 9
+"""Of places, rotations and angles in the files."""
 DEGENERATE = 1e-9
+"""The level share of where the camera looks, below which it looks straight down or up."""
 
 
 def camera_json(recording: Recording) -> str:
@@ -114,7 +116,7 @@ def chan(recording: Recording) -> str:
 
 
 def _line(T: Array, camera: Camera) -> str:
-    """Where a camera stands, how it is turned, and what it sees."""
+    """The numbers of a line of .chan behind the frame's: place, rotation and field of view."""
     angles_deg = np.degrees(_zxy(T[:3, :3] * FLIP))
     seen_deg = fields_of_view_deg(camera)[1]
     return "\t".join(fixed_decimals([*T[:3, 3], *angles_deg, seen_deg], DECIMALS))

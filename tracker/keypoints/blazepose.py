@@ -42,18 +42,23 @@ SIDE: Final = 256
 """Pixels of the network's input, along a side."""
 
 _EXCHANGED = [NAMES.index(other_side(name, NAMES)) for name in NAMES]
-"""Of each point that of the other side."""
+"""By point the index of its counterpart on the other side."""
 _MIRROR = np.array([[-1.0, 0.0, SIDE - 1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """From pixels of the square as the network is shown it to those of the square as it is."""
 
+# What follows is as MediaPipe has it.
 _POINTS = 39
+"""Points that the network answers with: those of NAMES, then some of its own."""
 _MIDDLE = 33
+"""Index of the middle of the circle around the body."""
 _RIM = 34
+"""Index of a point on that circle."""
 _HEAT_SIDE = 64
+"""Pixels of a heat map along a side."""
 _HEAT_WINDOW = 3
+"""Pixels of a heat map to each side of a point, in which its peak is looked for."""
 _LEAST_HEAT = 0.5
-"""As MediaPipe has them: points, the two of the circle around the body, the side of heat maps, the
-window that a peak is refined in, and what it must reach."""
+"""What the peak must reach."""
 _OUTPUTS = ("Identity", "Identity_1", "Identity_2", "Identity_3", "Identity_4")
 """Points, presence, mask, heat maps and metres."""
 
@@ -107,7 +112,7 @@ class BlazePose:
     def infer(self, picture: NDArray[np.uint8], region: Region, *, mirrored: bool = False) -> Seen:
         """The keypoints of the person in a region of a picture (H, W, 3), RGB.
 
-        mirrored: shown to the network as in a mirror; what it sees is told as it is in the picture.
+        mirrored: the network is shown the region as in a mirror; what it sees is mirrored back.
         """
         to_picture = region.to_picture(SIDE) @ (_MIRROR if mirrored else np.eye(3))
         square = cv2.warpAffine(
@@ -135,7 +140,7 @@ class BlazePose:
 
 
 def fingerprint_of(model: Model) -> str:
-    """What a network of either kind would have as `fingerprint`, with nothing read."""
+    """The `fingerprint` that a network would have once it is opened."""
     return f"{model.sha256[:16]}-{runtime_name(model.path.suffix)}"
 
 

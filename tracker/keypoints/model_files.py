@@ -56,7 +56,7 @@ class JointHeads(BaseModel):
 
     layout: the order of its joints.  width, height: of its input.  outputs: in the order in which
     its kind is decoded.  levels: how it is shown a picture, where not as others of its kind.
-    needs_fast: whether OpenCV would answer otherwise than what it was trained with.
+    needs_fast: whether only the fast runtime may run it, since OpenCV would answer otherwise.
     finds: how many joints of the person in the test picture it finds; None where nobody looked.
     """
 
@@ -87,7 +87,7 @@ class AddedNetwork(BaseModel):
 class Model:
     """A network, and what it is known by.
 
-    name: as it is chosen.  file: its name, in the package it comes from too.
+    name: as it is chosen.  file: what its file is called, here and where it comes from.
     heads: of a network that sees joints alone and looks beside BlazePose; None of BlazePose, which
         gives depth and follows a body by itself.
     """
@@ -195,7 +195,7 @@ def find_model(name: str) -> Model:
             return model
     path = added_file(name)
     try:
-        # its digest is all that is known of a network that others must not exchange
+        # unshared, since whoever could change the digest could exchange the network
         added = _added(read_unshared(path.with_suffix(".json"), LARGEST_NOTE_BYTES))
         return Model(name, path.name, added.sha256, added.size_mb, bundled=False, heads=added.heads)
     except FileNotFoundError:
@@ -230,6 +230,7 @@ def added_models() -> tuple[Model, ...]:
 
 
 _added = lru_cache(maxsize=32)(AddedNetwork.model_validate_json)
+"""What the file beside an added network says, by its content."""
 
 
 def verified(model: Model) -> bytes:

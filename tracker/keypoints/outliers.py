@@ -29,7 +29,8 @@ LONGEST: Final = 8
 """Frames that it is elsewhere at most."""
 STRAIGHTER: Final = 0.12
 """By how much the cosine between the lines of shoulders and hips is greater in frames whose sides
-are right than before and after in the mean: at least 0.17 where that was so, 0.08 elsewhere."""
+are right than before and after in the mean: by 0.17 or more where that was so, by 0.08 at most
+elsewhere."""
 TRUNK: Final = ("left_shoulder", "right_shoulder", "left_hip", "right_hip")
 
 
@@ -40,7 +41,7 @@ def excursions(
     names: Sequence[str] = (),
     p_hips: Array | None = None,
 ) -> NDArray[np.bool_]:
-    """(N, K) of keypoints in consecutive frames which are for a few of them elsewhere.
+    """(N, K) which keypoints of consecutive frames are elsewhere for a few of these.
 
     uv (N, K, 2): pixels, those that are not `is_known` of any value.  height_px: of the body.
     names, p_hips (N, K, 3): of the keypoints, and where they are in space, NaN where unknown.
@@ -50,11 +51,11 @@ def excursions(
     trunk = [k for k, name in enumerate(names) if name in TRUNK]
     places = np.where(is_known[..., None], uv, np.nan) / height_px
     for k in range(is_known.shape[1]):
-        for away in _excursions(places[:, k]):
-            if not _is_there_and_back(places[:, k : k + 1], away):
+        for excursion in _excursions(places[:, k]):
+            if not _is_there_and_back(places[:, k : k + 1], excursion):
                 continue
-            run, along = slice(away.before + 1, away.after), _goes_along(places, away)
-            if along[trunk].any() and _sides_are_right(straight, away):
+            run, along = slice(excursion.first, excursion.after), _goes_along(places, excursion)
+            if along[trunk].any() and _sides_are_right(straight, excursion):
                 continue
             is_outlier[run] |= is_known[run] & along
     return is_outlier
@@ -98,43 +99,43 @@ def trunk_straightness(names: Sequence[str], p_hips: Array) -> Array | None:
     return np.asarray((shoulders * hips).sum(axis=1) / np.maximum(lengths, 1e-9))
 
 
-def _sides_are_right(straight: Array | None, away: _Excursion) -> bool:
+def _sides_are_right(straight: Array | None, excursion: _Excursion) -> bool:
     """Whether the trunk is less twisted meanwhile than before and after."""
     if straight is None:
         return False
-    beside = (straight[away.before] + straight[away.after]) / 2
-    return bool(straight[away.before + 1 : away.after].mean() > beside + STRAIGHTER)
+    beside = (straight[excursion.before] + straight[excursion.after]) / 2
+    return bool(straight[excursion.before + 1 : excursion.after].mean() > beside + STRAIGHTER)
 
 
-def _is_there_and_back(places: Array, away: _Excursion) -> bool:
+def _is_there_and_back(places: Array, excursion: _Excursion) -> bool:
     """Whether both steps are all that one keypoint (N, 1, 2) moves there."""
-    step, farther = np.sort(_steps(places, away)[:, 0])
-    apart = float(np.linalg.norm(places[away.after] - places[away.before]))
-    return bool(apart < farther and _otherwise(places, away)[0] < WITHIN * step)
+    step, farther = np.sort(_steps(places, excursion)[:, 0])
+    apart = float(np.linalg.norm(places[excursion.after] - places[excursion.before]))
+    return bool(apart < farther and _other_motion(places, excursion)[0] < WITHIN * step)
 
 
-def _goes_along(places: Array, away: _Excursion) -> NDArray[np.bool_]:
+def _goes_along(places: Array, excursion: _Excursion) -> NDArray[np.bool_]:
     """(K,) which keypoints take one of the steps, or both, such as the knee of that foot."""
-    steps = np.sort(_steps(places, away), axis=0)[::-1]
-    returns = _otherwise(places, away) < WITHIN * steps[0]
+    steps = np.sort(_steps(places, excursion), axis=0)[::-1]
+    returns = _other_motion(places, excursion) < WITHIN * steps[0]
     once, twice = steps[1] < WITHIN * steps[0], steps[1] > STEP
     return np.asarray((steps[0] > STEP) & returns & (once | twice))
 
 
-def _steps(places: Array, away: _Excursion) -> Array:
+def _steps(places: Array, excursion: _Excursion) -> Array:
     """(2, K) how far keypoints go away, and come back."""
-    ways = np.stack(
-        [places[away.first] - places[away.before], places[away.after] - places[away.last]]
-    )
-    return np.asarray(np.linalg.norm(ways, axis=-1))
+    out = places[excursion.first] - places[excursion.before]
+    back = places[excursion.after] - places[excursion.last]
+    return np.asarray(np.linalg.norm(np.stack([out, back]), axis=-1))
 
 
-def _otherwise(places: Array, away: _Excursion) -> Array:
-    """(K,) the farthest that is moved in a frame before, between and after two steps."""
+def _other_motion(places: Array, excursion: _Excursion) -> Array:
+    """(K,) the farthest that a keypoint moves in a frame besides the two steps: in the one before
+    them, in those between, and in the one after."""
     rows = (
-        slice(away.before - 1, away.before + 1),
-        slice(away.first, away.last + 1),
-        slice(away.after, away.after + 2),
+        slice(excursion.before - 1, excursion.before + 1),
+        slice(excursion.first, excursion.last + 1),
+        slice(excursion.after, excursion.after + 2),
     )
     moved = [np.linalg.norm(np.diff(places[row], axis=0), axis=-1) for row in rows]
     return np.asarray(np.max(np.concatenate(moved), axis=0, initial=0.0))

@@ -1,7 +1,10 @@
 """Robust kernels: the cost of residuals, and the weights that give least squares the same gradient.
 
 A kernel is applied to distances in standard deviations. The cost of one is half its `loss`; half
-its square, times its `weight`, has the same gradient (iteratively reweighted least squares).
+its square, times its `weight`, has the same gradient (iteratively reweighted least squares). With
+the widths that are named here, estimates from normal residuals are 95 % as efficient as least
+squares (P. W. Holland, R. E. Welsch, *Robust Regression Using Iteratively Reweighted
+Least-Squares*, 1977).
 """
 
 from __future__ import annotations

@@ -58,12 +58,16 @@ READ_ONCE_BYTES = 32 * 2**20
 READ_AGAIN_BYTES = 128 * 2**20
 """The same, for a draft, which comes back to frames near by."""
 MOST_BEHIND = 64
-"""Frames before one that are kept with it: to make pictures of a whole group takes longer than to
-decode it."""
+"""Most frames on the way to a wanted one whose pictures are kept: to make pictures of all that is
+decoded before it would take longer than to decode it."""
 
 
 class _Source(Protocol):
-    """Where pictures come from."""
+    """Where pictures come from, see `FileSource`.
+
+    approach: up to a frame, the pictures met on the way from `since` on.  reindex: number the
+    frames anew.  examine: find which of these frames are damaged.
+    """
 
     @property
     def info(self) -> VideoInfo: ...
@@ -80,7 +84,8 @@ class Video:
     def __init__(
         self, source: _Source, cache_bytes: int = CACHE_BYTES, file: FileKey | None = None
     ) -> None:
-        """file: by which others find what is found here."""
+        """file: the key by which whoever opens the same file shares what is found of it; None where
+        nobody does."""
         self._source = source
         self._cache_bytes = cache_bytes
         self._cache = PictureCache(cache_bytes)
@@ -88,7 +93,7 @@ class Video:
         self._closed = False
         self._found = Findings() if file is None else KNOWN.of(file)
         self._numbering = 0  # how often the frames were numbered anew
-        # what the source says, and the same with the damaged frames
+        # what the source says, the damaged frames, and what it says with them
         self._with_damaged: tuple[VideoInfo, frozenset[int], VideoInfo] | None = None
 
     @classmethod
@@ -229,7 +234,8 @@ class Video:
                 self._with_damaged = None
 
     def note(self, index: int) -> str | None:
-        """What is known to be wrong with a frame's own file, in a sentence."""
+        """What is known to be wrong with a frame's own file, in a sentence: nothing of a video's,
+        see `SurfaceVideo` for what meshes say."""
         return None
 
     def fingerprint(self) -> str:

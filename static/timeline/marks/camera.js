@@ -14,11 +14,15 @@ import { frameAt, GUTTER, hitNear, pxPerFrame, seenOf, x } from '../draw/scale.j
 import { extent, line, memoize, numbers, runsOf } from '../draw/series.js';
 import { frames, scrub } from './frames.js';
 
+/** A diamond is hit within this distance. */
 const REACH_PX = 9;
+/** Of a diamond, px. */
 const RADIUS = 5.5;
+/** Between the curve and the row's edges, px. */
 const MARGIN = 3;
-/** The curve is not drawn higher for errors below it, px. */
+/** The top of the row stands for this error at least, pixels of the film. */
 const LEAST_TOP_PX = 0.5;
+/** A finding is drawn at least so wide. */
 const LEAST_RANGE_PX = 4;
 
 const errors = () => motion()?.error_px ?? [];
@@ -27,7 +31,7 @@ const found = () => cameraFindings().filter(hasFrames);
 /** What the top of the row stands for, pixels. */
 const topOf = memoize((list) => Math.max(LEAST_TOP_PX, extent(numbers(list))?.high ?? 0));
 
-/** The row, and what is told of the frame under the pointer. @type {import('../mark.js').Mark} */
+/** The row, and what is said of the frame under the pointer. @type {import('../mark.js').Mark} */
 export const cameraLane = {
   kind: 'camera',
   row: 'camera',

@@ -34,8 +34,9 @@ def lit_mesh(shape: Shape) -> tuple[Array, Array, NDArray[np.int64]]:
     same = mesh.faces[:, :, None, None] == mesh.faces
     weights = (same * angles).sum(axis=-1) * smooth[:, None]
     normals = _unit(weights @ directions)
-    corners = np.concatenate([corners, normals], axis=-1).reshape(-1, 6)
-    different, index = np.unique(corners.round(9) + 0.0, axis=0, return_inverse=True)
+    lit_corners = np.concatenate([corners, normals], axis=-1).reshape(-1, 6)
+    rounded = lit_corners.round(9) + 0.0  # so that −0 is 0
+    different, index = np.unique(rounded, axis=0, return_inverse=True)
     return different[:, :3], different[:, 3:], index.reshape(-1, 3).astype(np.int64)
 
 
@@ -58,7 +59,7 @@ class Skin:
 
     @classmethod
     def of(cls, body: Body, rig: Rig, parts: Sequence[int]) -> Skin:
-        """One part at least."""
+        """The skin of these parts of a body, one at least."""
         places, directions, faces, bones, count = [], [], [], [], 0
         for i in parts:
             T, (vertices, normals, triangles) = rig.Ts_world_part[i], lit_mesh(body.parts[i].shape)

@@ -59,9 +59,10 @@ def _switch(x: Array) -> Array:
 REACH_SHARE = 0.15
 """Of the surface's size: nothing is a pair that lies farther apart."""
 SPURIOUS = 0.1
+"""A pair counts nothing where its partner's own nearest point has less than this share of the
+pair's squared distance."""
 MUTUAL = 0.5
-"""Of a pair's squared distance, that of its partner's own pair: below the one it is nothing, above
-the other it counts in full."""
+"""It counts in full where that share is larger than this."""
 SPURIOUS_SHARE = 0.005
 """Of the surface's size: nearer pairs need not be mutual."""
 CONTACT_SHARE = 0.015
@@ -70,7 +71,10 @@ CONTACT_SHARE = 0.015
 
 @dataclass(frozen=True, eq=False)
 class TargetSurface:
-    """One step's surface, ready to be paired with.  weights: (N,) ρ_p of its points."""
+    """One step's surface, ready to be paired with.
+
+    weights: (N,) ρ_p of its points.  grid: of these, as `grid_of` makes it.
+    """
 
     samples: SurfaceSamples
     weights: Array
@@ -121,7 +125,7 @@ def pairs_of(
         there = there * _mutual_pair_weight(far_there, far_back[to_seen], near)
         back = back * _mutual_pair_weight(far_back, far_there[to_model], near)
     return Pairs(
-        np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # those weigh nothing
+        np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # −1 weighs nothing
         np.concatenate([surface_samples.p[to_seen], surface_samples.p]),
         np.concatenate([surface_samples.normals[to_seen], surface_samples.normals]),
         np.concatenate([_normalise(there), _normalise(back)]),
@@ -155,6 +159,8 @@ def _nearest(
     reach: float,
     options: Options,
 ) -> tuple[NDArray[np.int64], Array]:
+    """By point of the one surface the index of the other's nearest, −1 where none is within reach,
+    and its squared distance."""
     index, square = np.empty(len(of.p), np.int64), np.empty(len(of.p))
     nearest(of.p, of.normals, among.p, among.normals, grid, reach, options.agreement, index, square)
     return index, square

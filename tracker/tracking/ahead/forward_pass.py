@@ -70,7 +70,7 @@ class ForwardPass:
 
 
 def by_brightness(scene: Scene, segment: Segment, method: Keypose) -> ForwardPass:
-    """Followed from step to step, and back; as far as it stays before the camera."""
+    """The motion followed from step to step, and back, as far as it stays before the camera."""
     how = (method.stride, method.chain_inner, method.stop, method.finest)
     chain = follow(scene, segment.clip, segment.start, 0, segment.last_frame, *how)
     motion = _sound(scene, segment, chain)

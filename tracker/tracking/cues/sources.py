@@ -77,7 +77,7 @@ class KeypointSource(FrameSource, Protocol):
         """The keypoints from a frame in which the body is posed up to another, before or
         after it, in the order of frames; None where nobody is found.
 
-        report: as above.
+        report: as of `over`.
         """
 
 
@@ -246,7 +246,7 @@ class LiftedKeypoints:
 
 
 def _are_same(keypoints: Keypoints, around: Keypoints) -> bool:
-    """Whether keypoints are others, but for what a person set."""
+    """Whether both hold the same keypoints, apart from those that a person set."""
     if keypoints.names != around.names:
         return False
     same = np.isclose(keypoints.uv, around.uv, equal_nan=True).all(axis=-1)
@@ -286,12 +286,12 @@ class SteadyKeypoints:
 
 
 class _NotKept(Exception):
-    """Something was not found before."""
+    """What is asked for was not found before, or is not kept any more."""
 
 
 @dataclass(frozen=True)
 class _Recall:
-    """A network that is not asked anything any more."""
+    """Stands for a network whose answers are recalled, and is never shown a picture."""
 
     fingerprint: str
 

@@ -66,13 +66,16 @@ def _same_rows(table: Array) -> NDArray[np.int64]:
 
 
 def _merge(raw: RawMesh, into: NDArray[np.int64]) -> RawMesh:
-    """Faces between the vertices `into`, without those that have two equal corners."""
+    """The mesh with every vertex replaced by another, without faces that have two equal corners.
+
+    into (V,): by vertex the one in its place.
+    """
     faces = into[raw.faces]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
     consistency = raw.consistency
     if consistency is not None:
-        # Of one place under several numbers: the mean.
+        # Of one place under several numbers the mean; −1 where nothing is left.
         count = np.bincount(into, minlength=len(into))
         total = np.bincount(into, consistency, minlength=len(into))
         consistency = np.divide(total, count, out=np.full(len(into), -1.0), where=count > 0)
