@@ -34,6 +34,7 @@ GROUPS = (
     "markers",
     "angles",
     "camera",
+    "films",
     "panned",
     "mask",
     "evidence",

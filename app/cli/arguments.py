@@ -29,6 +29,7 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     ),
     "run": ("motion", "Turn films into motion without a hand: draft, track, stand, export"),
     "draft": ("motion", "Draft a pose for every frame, of the person in a box or found"),
+    "add-film": ("motion", "Add another film of the same motion: its clock and camera are found"),
     "track": ("motion", "Track the motion between the keyframes"),
     "camera": (
         "motion",

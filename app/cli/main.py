@@ -159,7 +159,7 @@ def grammar(*asked: str) -> tuple[_Parser, Mapping[str, _Parser]]:
             commands.add_parser(name, help=summary)
         else:
             declared = import_module(f"keypose.app.cli.grammar.{room}")
-            getattr(declared, f"add_{name}")(commands)
+            getattr(declared, f"add_{name.replace('-', '_')}")(commands)
     commands.choices["completion"].set_defaults(grammar=grammar)
     return top, commands.choices
 
@@ -169,7 +169,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.run is None:
         arguments.introduce()
         return 0
-    name = "import_" if arguments.run == "import" else arguments.run
+    name = "import_" if arguments.run == "import" else arguments.run.replace("-", "_")
     code: int = _loaded(f"keypose.app.cli.{name}").run(arguments)
     return code
 

@@ -6,16 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.operations.films import film_beside, prepared_film
 from keypose.tracker.operations.track import fitter_of, steps_of, tracker_of
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.storage import sidecars
 from keypose.tracker.storage.evidence import files_of
-from keypose.tracker.storage.files import open_for_work
+from keypose.tracker.storage.files import open_for_work, open_video_of
 from keypose.tracker.storage.fingerprints import background_turns, steady_camera
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
+from keypose.tracker.tracking.film_beside import FilmBeside
 from keypose.tracker.tracking.pool import SegmentTracker
+from keypose.tracker.tracking.prepared_film import PreparedFilm
 from keypose.tracker.tracking.tracker import Tracker
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import AGAIN, Memory
@@ -37,6 +40,7 @@ class WorkerCache:
         self._fitted_for: Any = None
         self._fitter: SurfaceFitter | None = None
         self._keypoints: tuple[Path, Keypoints] | None = None
+        self._others: dict[str, tuple[Any, Video, PreparedFilm]] = {}
 
     def tracker(self, session: Session, video_path: str, folder: Path = Path()) -> SegmentTracker:
         """What tracks the segments of a session.
@@ -84,8 +88,41 @@ class WorkerCache:
             like=self._tracker,
             keypoints=self.keypoints(session, folder),
             fewest=fewest,
+            films=self._films_beside(session, folder),
         )
         return self._tracker
+
+    def _films_beside(self, session: Session, folder: Path) -> tuple[FilmBeside, ...]:
+        """The other films of a session; their pictures stay prepared while nothing that they are
+        prepared with is another."""
+        films = []
+        for view in session.views[1:]:
+            alone = session.alone(view.id)
+            made_of: tuple[Any, ...] = (
+                folder,
+                view.video,
+                view.camera,
+                view.ignore_masks,
+                view.camera_motion,
+                view.camera_keyframes,
+                alone.has_static_camera,
+                session.settings.cues_used,
+            )
+            kept = self._others.get(view.id)
+            if kept is None or kept[0] != made_of:
+                self._close_other(view.id)
+                video = open_video_of(alone, folder / "session.json")
+                kept = (made_of, video, prepared_film(session, view, video, self._memory))
+                self._others[view.id] = kept
+            films.append(film_beside(session, view, kept[2], folder))
+        for gone in set(self._others) - {view.id for view in session.views[1:]}:
+            self._close_other(gone)
+        return tuple(films)
+
+    def _close_other(self, view_id: str) -> None:
+        kept = self._others.pop(view_id, None)
+        if kept is not None:
+            kept[1].close()
 
     def keypoints(self, session: Session, folder: Path) -> Keypoints | None:
         """The keypoints beside a session's file, read again only when they are others.
@@ -118,6 +155,8 @@ class WorkerCache:
         """Close the video."""
         if self._video is not None:
             self._video.close()
+        for view_id in list(self._others):
+            self._close_other(view_id)
         self._video = self._opened = self._prepared_for = self._tracker = None
         self._fitter = self._fitted_for = None
 

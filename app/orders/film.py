@@ -87,6 +87,23 @@ class FilmOrder:
 
 
 @dataclass(frozen=True)
+class BesideOrder:
+    """What is said of a film that shows the motion of another."""
+
+    begins: float | None = option(
+        Number("FRAME"),
+        "the frame of the first film, with its fraction, at which this one begins; default: found "
+        "from the motion that both show",
+    )
+    box: Box | None = option(
+        _Box(),
+        "left, top, right and bottom of a box around the person in this film, in pixels; default: "
+        "looked for",
+    )
+    frame: int | None = option(Whole("N", least=0), "the frame of the box; default: the first")
+
+
+@dataclass(frozen=True)
 class FilmToDraft:
     """A film without a session, who is drafted in it and how it was taken. name: what its session
     is called, where not as the film."""

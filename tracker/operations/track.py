@@ -40,6 +40,7 @@ from keypose.tracker.tracking.cues.sources import (
     LiftedKeypoints,
     SteadyKeypoints,
 )
+from keypose.tracker.tracking.film_beside import FilmBeside
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
 from keypose.tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from keypose.tracker.tracking.tracker import Tracker
@@ -64,11 +65,13 @@ def tracker_of(
     like: Tracker | None = None,
     keypoints: Keypoints | None = None,
     fewest: int = 2,
+    films: Sequence[FilmBeside] = (),
 ) -> Tracker:
     """A session's tracker; SessionError with fewer keyframes than the fewest, or without the first
     motion that its settings use.
 
     keypoints: what `keypoints.of_session` reads beside the session's file.
+    films: the other films of the session, as `films_beside` makes them ready.
     like: a tracker of the same video, camera, masks and plate, whose prepared pictures are used.
     """
     require_first_motion(session, first_motion)
@@ -99,6 +102,7 @@ def tracker_of(
             own=own,
             people=people,
             drafted=drafted,
+            films=films,
         )
     return Tracker(
         video,
@@ -119,6 +123,7 @@ def tracker_of(
         turns=background_turns(session),
         drafted=drafted,
         times_s=times_s,
+        films=films,
     )
 
 

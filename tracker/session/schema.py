@@ -55,6 +55,7 @@ NEAREST_M = 0.05
 """The least depth of a joint."""
 
 POSES_AT_A_TIME = 500
+AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 
 def require_fit(session: Session, subject: TrackedBody, poses: Sequence[Keyframe]) -> None:
@@ -94,15 +95,27 @@ def _require_view(view: View, first: View) -> None:
             f"camera.width × height is {camera.width}×{camera.height} but video.width × height is "
             f"{video.width}×{video.height}; the sizes must agree, both the video's own"
         )
-    if video.frame_count != first.video.frame_count:
+    if view.clock is None and video.frame_count != first.video.frame_count:
         raise ValueError(
             f"views: {view.id!r} has {video.frame_count} frames and {first.id!r} "
-            f"{first.video.frame_count}; all views must have the same frames"
+            f"{first.video.frame_count}; without a clock views must have the same frames"
         )
+    if view.clock is not None:
+        _require_clock(view, first)
     if view is first and (view.T_camera_world != np.eye(4)).any():
         raise ValueError(f"views: {view.id!r} is the first, whose camera is the world's frame")
     _require_camera_motion(view)
     require_corrections(view.keypoint_corrections, video.frame_count, video.width, video.height)
+
+
+def _require_clock(view: View, first: View) -> None:
+    if view is first:
+        raise ValueError(f"views: {view.id!r} is the first, whose clock is that of all")
+    if not view.film_clock.overlap(view.video.frame_count, first.video.frame_count):
+        raise ValueError(
+            f"views: {view.id!r} has no frame of the time that {first.id!r} shows; "
+            "change where its clock begins"
+        )
 
 
 def _require_camera_motion(view: View) -> None:
@@ -310,6 +323,18 @@ class Session(Plain):
         if not tracked_bodies:
             raise KeyError(body_id)
         return self.model_copy(update={"bodies": tracked_bodies})
+
+    def alone(self, view_id: str) -> Self:
+        """The same about one of its views alone, as if that were the first; KeyError where there
+        is no such view."""
+        chosen = next((view for view in self.views if view.id == view_id), None)
+        if chosen is None:
+            raise KeyError(view_id)
+        if chosen is self.view:
+            return self.model_copy(update={"views": (chosen,)})
+        placed = dict.fromkeys(("clock", "placed"))
+        there = {**placed, "R_camera_world_wxyz": AT_REST, "p_camera_world": (0.0, 0.0, 0.0)}
+        return self.model_copy(update={"views": (chosen.model_copy(update=there),)})
 
     def with_body(self, subject: TrackedBody) -> Self:
         """The same with another state of one of its bodies, known by its id."""

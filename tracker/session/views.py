@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, FiniteFloat, model_validator
 
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.session.camera_motion import CameraKeyframe, CameraMotion
@@ -18,6 +19,53 @@ from keypose.tracker.session.references import KeypointFile, Surface, VideoRefer
 from keypose.tracker.session.settings import IgnoreMask, Plain, Position, SceneId, is_unknown
 
 LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted", "turns"]
+
+
+class Clock(Plain):
+    """When a film was taken, on the clock of the first view's film."""
+
+    begins: Annotated[FiniteFloat, Field(ge=-1e8, le=1e8)] = Field(
+        description="The frame of the first film, with its fraction, at which frame 0 was taken; "
+        "negative where it began before."
+    )
+    rate: Annotated[FiniteFloat, Field(ge=0.01, le=100)] = Field(
+        default=1.0, description="Frames of it per frame of the first film."
+    )
+    sigma: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The standard deviation of begins, frames of the first film; left out where "
+        "somebody set it.",
+    )
+    also: tuple[FiniteFloat, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Where it may begin as well, where the motion repeats itself; left out where "
+        "nothing else is likely.",
+    )
+
+    @property
+    def of_film(self) -> FilmClock:
+        """The clock itself."""
+        return FilmClock(self.begins, self.rate)
+
+
+class Placed(Plain):
+    """What the place of a view's camera beside the first rests on."""
+
+    source: Literal["body", "file", "person"] = Field(
+        description="body, found from a body that both films show; file, read from a calibration."
+    )
+    turn_sigma_rad: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The standard deviation of how it is turned, radians.",
+    )
+    place_sigma_m: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The standard deviation of where it is, metres.",
+    )
 
 
 class View(Plain):
@@ -36,6 +84,17 @@ class View(Plain):
         default=(0.0, 0.0, 0.0),
         exclude_if=(0.0, 0.0, 0.0).__eq__,
         description="The world's origin in the camera frame, metres; left out for the first view.",
+    )
+    clock: Clock | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="When its film was taken beside the first view's; left out for the first view, "
+        "and where both have the same frames.",
+    )
+    placed: Placed | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="What the place of its camera rests on; left out for the first view.",
     )
     ignore_masks: tuple[IgnoreMask, ...] = ()
     lens_source: LensSource | None = Field(
@@ -73,6 +132,11 @@ class View(Plain):
         exclude_if=operator.not_,
         description="The camera at frames at which a person set it; left out where there are none.",
     )
+
+    @property
+    def film_clock(self) -> FilmClock:
+        """How its frames lie beside those of the first view."""
+        return FilmClock() if self.clock is None else self.clock.of_film
 
     @property
     def T_camera_world(self) -> Array:

@@ -297,8 +297,28 @@ def _film_setup(session: Session) -> bytes:
         settings,
         *_start(session),
     ]
-    setup += [*_cues(session), *_plate(session), *_woven(session)]
+    setup += [*_cues(session), *_plate(session), *_woven(session), *_other_films(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
+
+
+def _other_films(session: Session) -> list[Any]:
+    """What other films show, and how they lie beside the first; nothing where there are none, or
+    where they do not count."""
+    if not _uses_keypoints(session):
+        return []
+    counted = {"R_camera_world_wxyz", "p_camera_world", "camera_motion", "camera_keyframes"}
+    others = []
+    for view in session.views[1:]:
+        own = view.model_dump(mode="json", include=counted)
+        masks = sorted(
+            (mask.first_frame, mask.last_frame, mask.polygon) for mask in view.ignore_masks
+        )
+        own |= {"film": view.video.fingerprint, "camera": _camera(ById(view.camera))}
+        own |= {"clock": [view.film_clock.begins, view.film_clock.rate], "masks": masks}
+        own |= {"keypoints": view.keypoints and view.keypoints.file}
+        own |= {"static": session.alone(view.id).has_static_camera, "woven": view.video.deinterlace}
+        others.append(own)
+    return [{"films": others}] if others else []
 
 
 def _surface_setup(session: Session) -> bytes:

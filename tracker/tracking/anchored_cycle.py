@@ -21,7 +21,7 @@ from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.solver.sigmas import BEND_IN_PICTURE, SCORE_GREY2
-from keypose.tracker.tracking.bundle import refine
+from keypose.tracker.tracking.bundle import Textures, refine
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
 from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
 from keypose.tracker.tracking.cues.reweighting import increment_scale, smoothed_keypoints
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from keypose.tracker.geometry.rotations import Array
     from keypose.tracker.solver.smoothness import Increments
     from keypose.tracker.tracking.cues.anchors import Anchors
+    from keypose.tracker.tracking.cues.other_film import OtherFilm
     from keypose.tracker.tracking.method import Keypose
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
@@ -55,12 +56,16 @@ motion where they lie no farther apart."""
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What the pictures say of a trajectory: of every step, how far that leads from it, (N - 1, M)
-    pixels, and its score, grey levels²."""
+    """What the pictures say of a trajectory: of every step, in the first film and in each other,
+    how far the first film's lead from it, (N - 1, M) pixels, and its score, grey levels².
 
-    steps: Increments
+    unexplained: the cost of what the pictures of all films show besides.
+    """
+
+    steps: tuple[Increments, ...]
     drift_px: Array
     score: float
+    unexplained: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +103,7 @@ def track_anchored(
     candidates: Sequence[Anchors],
     begun: Starts | None,
     *,
+    films: Sequence[OtherFilm] = (),
     reach_far: bool = True,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
@@ -105,6 +111,7 @@ def track_anchored(
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     several where left and right are in doubt.  begun: starts from brightness; None where it does
         not count.
+    films: others that show the segment.
     reach_far: unless the starts are about right already, and keypoints need not reach far; nor
         need they where the body was followed from both keyframes.
     """
@@ -115,10 +122,10 @@ def track_anchored(
     ends: list[Candidate] = []
     scale, followed = 1.0, None
     if begun.chains is not None:
-        followed = _measure(free, segment, method, begun.ways[0].trajectory)
-        scale = increment_scale(segment, begun.chains, followed.steps)
+        followed = _measure(free, segment, method, begun.ways[0].trajectory, films)
+        scale = increment_scale(segment, begun.chains, followed.steps[0])
     for anchors in candidates:
-        correction = Correction(free, segment, anchors)
+        correction = Correction(free, segment, anchors, films=tuple(films))
         alone = Pass("keypoints", from_keypoints(correction, reach_far), None)
         if not brightness:
             tried.append(alone)
@@ -138,9 +145,9 @@ def track_anchored(
         ends += of_anchors
     if followed is not None and _is_misled(followed, ends):
         motion, index = yield from _by_brightness(scene, segment, method, begun, tried)
-        measured = _measure(free, segment, method, motion)
+        measured = _measure(free, segment, method, motion, films)
         for anchors in candidates:
-            correction = Correction(free, segment, anchors, drift_scale=scale)
+            correction = Correction(free, segment, anchors, drift_scale=scale, films=tuple(films))
             ends.append(_ended(correction, motion, measured, index))
     best = min(ends, key=lambda ended: ended.cost)
     return _outcome(scene, free, begun, tried, ends, best)
@@ -179,7 +186,7 @@ def measured_by_keypoints(correction: Correction, trajectory: Trajectory, index:
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(trajectory) - 1, len(correction.scene.marks[1])))
     return Candidate(
-        index, trajectory, correction.cost(trajectory, held), None, nothing, correction.anchors
+        index, trajectory, correction.cost(trajectory, (held,)), None, nothing, correction.anchors
     )
 
 
@@ -208,17 +215,23 @@ def cycle(
         tried.append(Pass(pass_name, present, None))
         yield tried[-1]
         return replace(before, met=(*before.met, met))
-    measured = _measure(free, segment, method, present)
+    measured = _measure(free, segment, method, present, correction.films)
     tried.append(Pass(pass_name, present, measured.score))
     yield tried[-1]
     refined = present
     if not correction.open_end:
+        stride = method.refinement.stride
         steady = _steadied(correction, present, IN_REFINEMENT * correction.drift_scale)
         others = steady.problem(measured.steps, Cauchy(), BEND_IN_PICTURE)
+        beside = tuple(
+            film.inner(Textures.of(film.scene, film.clip, film.seen(present), stride))
+            for film in correction.films
+        )
+        others = replace(others, links=(*others.links, *beside))
         refined = refine(free, segment.clip, present, method.refinement, others)
     if refined is not present and is_sound(free, segment, refined):
         present = refined
-        measured = _measure(free, segment, method, present)
+        measured = _measure(free, segment, method, present, correction.films)
         tried.append(Pass("refinement", present, measured.score))
         yield tried[-1]
     ended = _ended(correction, present, measured, len(tried) - 1)
@@ -239,7 +252,7 @@ def _passes(
     present, pass_name, led = start.trajectory, start.what, list[Trajectory]()
     for turn in range(method.passes):
         first = first_measured if turn == 0 else None
-        measured = first or _measure(free, segment, method, present)
+        measured = first or _measure(free, segment, method, present, correction.films)
         tried.append(Pass(pass_name, present, measured.score))
         yield tried[-1]
         steady = _steadied(correction, present, IN_PASSES) if turn else correction
@@ -263,15 +276,9 @@ def _meeting(free: Scene, present: Trajectory, before: Candidate) -> Meeting | N
 
 
 def _ended(correction: Correction, motion: Trajectory, measured: Measured, index: int) -> Candidate:
-    """Rate a motion: what anchors, limits and steps say, and how well the pictures are explained.
-
-    Differences of brightness have a width that nobody knows, so they count by the logarithm of
-    their mean square, as often in each frame as the body has degrees of freedom to explain them.
-    """
-    steps, dofs, score = len(motion) - 1, correction.scene.skeleton.dof_count, measured.score
-    unexplained = 0.5 * steps * dofs * np.log(score + SCORE_GREY2)
-    cost = correction.cost(motion, measured.steps) + float(unexplained)
-    return Candidate(index, motion, cost, score, measured.drift_px, correction.anchors)
+    """Rate a motion: what anchors, limits and steps say, and how well pictures are explained."""
+    cost = correction.cost(motion, measured.steps) + measured.unexplained
+    return Candidate(index, motion, cost, measured.score, measured.drift_px, correction.anchors)
 
 
 def _steadied(correction: Correction, present: Trajectory, weight: float) -> Correction:
@@ -280,17 +287,37 @@ def _steadied(correction: Correction, present: Trajectory, weight: float) -> Cor
     """
     if correction.open_end:
         return correction
-    anchors = smoothed_keypoints(correction.anchors, correction.scene, present)
-    return replace(correction, anchors=anchors.weighted(weight))
+    anchors = smoothed_keypoints(correction.anchors, correction.scene, present).weighted(weight)
+    films = tuple(film.steadied(present, weight) for film in correction.films)
+    return replace(correction, anchors=anchors, films=films)
 
 
-def _measure(scene: Scene, segment: Segment, method: Keypose, present: Trajectory) -> Measured:
-    """What the pictures say of a trajectory."""
-    motions, score = robust_pass(
-        scene, segment.clip, present, method.stride, method.inner, method.stop
-    )
-    steps = measured_increments(scene, present, motions)
-    return Measured(steps, drift_px(scene, present, motions), score)
+def _measure(
+    scene: Scene,
+    segment: Segment,
+    method: Keypose,
+    present: Trajectory,
+    films: Sequence[OtherFilm] = (),
+) -> Measured:
+    """What the pictures say of a trajectory.
+
+    Differences of brightness have a width that nobody knows, so they count by the logarithm of
+    their mean square, as often in each frame as the body has degrees of freedom to explain them.
+    """
+    steps: list[Increments] = []
+    drift, unexplained, first_score = np.empty(0), 0.0, 0.0
+    shown = [(scene, segment.clip, present)]
+    shown += [(film.scene, film.clip, film.seen(present)) for film in films]
+    for number, (shown_scene, clip, motion) in enumerate(shown):
+        motions, score = robust_pass(
+            shown_scene, clip, motion, method.stride, method.inner, method.stop
+        )
+        steps.append(measured_increments(shown_scene, motion, motions))
+        dofs = shown_scene.skeleton.dof_count
+        unexplained += float(0.5 * (len(motion) - 1) * dofs * np.log(score + SCORE_GREY2))
+        if number == 0:
+            drift, first_score = drift_px(shown_scene, motion, motions), score
+    return Measured(tuple(steps), drift, first_score, unexplained)
 
 
 def _outcome(

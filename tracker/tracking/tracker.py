@@ -21,17 +21,18 @@ from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
-from keypose.tracker.solver.placed import lens_of
 from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
 from keypose.tracker.tracking.cues.anchors import (
     anchors_of,
     keyframe_off_person,
     with_free_joints,
 )
+from keypose.tracker.tracking.cues.other_film import OtherFilm
 from keypose.tracker.tracking.cues.silhouette import Outlines, outlines_of, silhouette_mismatch
 from keypose.tracker.tracking.cues.sources import KeypointSource
 from keypose.tracker.tracking.cycle import Work, track_segment
 from keypose.tracker.tracking.diagnostics.judge import segment_result
+from keypose.tracker.tracking.film_beside import FilmBeside
 from keypose.tracker.tracking.initial.chains import fit_to_keyframes
 from keypose.tracker.tracking.initial.choose import starts
 from keypose.tracker.tracking.method import Keypose, Method, expected_steps, method_of
@@ -43,12 +44,12 @@ from keypose.tracker.tracking.parts.correct import (
     expected_limb_steps,
 )
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
+from keypose.tracker.tracking.prepared_film import PreparedFilm
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import Segment
-from keypose.tracker.tracking.windows import MARGIN, body_windows, window_around
 from keypose.tracker.video import Video
-from keypose.tracker.video.clip_loader import AGAIN, ClipLoader, Memory, WorkingSize
+from keypose.tracker.video.clip_loader import AGAIN, ClipLoader, Memory
 from keypose.tracker.video.pyramid import Clip
 
 Emit: TypeAlias = Callable[[Pass, int], None]
@@ -60,41 +61,6 @@ ROUNDING: Final = 1e-9
 """Metres, and entries of rotations: by so little other processors and libraries may round apart."""
 
 NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
-
-
-class _Prepared:
-    """The pictures of one video at every size they are worked on."""
-
-    def __init__(
-        self,
-        video: Video,
-        camera: Camera,
-        masks: Sequence[IgnoreMask],
-        static: bool,
-        memory: Memory,
-        steady: SteadyCamera | None,
-        turns: Array | None,
-    ) -> None:
-        self._loading = (masks, static, memory, steady, turns)
-        self._video, self._camera, self._memory = video, camera, memory
-        self._loaders: dict[WorkingSize, ClipLoader] = {}
-
-    @property
-    def frame_count(self) -> int:
-        """The number of frames of the video."""
-        return self._video.info.frame_count
-
-    @property
-    def shows_background(self) -> bool:
-        """Whether pictures are compared with one of the empty scene."""
-        return self._loading[1] or self._loading[4] is not None
-
-    def loader(self, longest: int) -> ClipLoader:
-        """The loader for segments of up to this many frames."""
-        size = WorkingSize.for_camera(self._camera, longest, self._memory)
-        if size not in self._loaders:
-            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._loading)
-        return self._loaders[size]
 
 
 class Tracker:
@@ -128,6 +94,7 @@ class Tracker:
         turns: Array | None = None,
         drafted: Collection[int] = (),
         times_s: Array | None = None,
+        films: Sequence[FilmBeside] = (),
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions.
         people: what sees where in the picture a person is.  steady: the camera in whose place the
@@ -135,15 +102,17 @@ class Tracker:
         given and found as the film's does.  turns (F, 3, 3): how that is turned from the world,
         where pictures are compared with the empty scene all around.  drafted: the frames of
         keyposes that nobody has posed since they were drafted.  times_s (F,): when frames are; None
-        where nobody knows, and no pose makes depth surer near by.
+        where nobody knows, and no pose makes depth surer near by.  films: others that show the same
+        motion.
         """
+        self._films = tuple(films)
         self._people, self._steady = people, steady
         self._drafted, self._times_s = frozenset(drafted), times_s
         self._own, self._keypoints = tuple(own), keypoints
         self._first_motion = None if first_motion is None else self._steadied(first_motion)
         self._keyed_parts = self._steady_parts(keyed_parts)
         self._keys, self._kept = keys or {}, KeptOutcomes()
-        self._prepared = _Prepared(video, camera, masks, static_camera, memory, steady, turns)
+        self.prepared = PreparedFilm(video, camera, masks, static_camera, memory, steady, turns)
         self._points_by_spacing: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes, fewest)
 
@@ -169,6 +138,7 @@ class Tracker:
         own: Sequence[tuple[int, int]] = (),
         people: KeypointSource | None = None,
         drafted: Collection[int] = (),
+        films: Sequence[FilmBeside] = (),
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -179,7 +149,7 @@ class Tracker:
         tracker._first_motion = None if first_motion is None else self._steadied(first_motion)
         tracker._own, tracker._keypoints, tracker._people = tuple(own), keypoints, people
         tracker._keyed_parts, tracker._keys = self._steady_parts(keyed_parts), keys or {}
-        tracker._drafted = frozenset(drafted)
+        tracker._drafted, tracker._films = frozenset(drafted), tuple(films)
         if skeleton is not self.skeleton:
             tracker._points_by_spacing = {}
         tracker._pose(skeleton, keyposes, fewest)
@@ -221,42 +191,33 @@ class Tracker:
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
         """What loads the pictures of a segment, in the size that its length allows."""
-        return self._prepared.loader(span[1] - span[0] + 1)
+        return self.prepared.loader(span[1] - span[0] + 1)
 
     def scene(self, span: tuple[int, int], density: float, free: bool = False) -> Scene:
         """The scene of one segment, for its own two keyposes.
 
         free: with all parts that carry keypoints free to turn.
         """
-        poses = [self.keyposes[frame] for frame in span]
-        scene = self.scene_about(poses, span, density, free)
-        if not self._prepared.shows_background:
+        scene = self.scene_about([self.keyposes[frame] for frame in span], span, density, free)
+        if not self.prepared.shows_background:
             return scene
-        clip = self.pictures(span)
-        shown = clip.shown
-        pictures = [shown.levels[0][frame - clip.first_frame] for frame in span]
-        return scene.before_plate(
-            list(zip(pictures, poses, strict=True)), shown.seen_by(scene.lens)
-        )
+        return self.prepared.before_plate(scene, self.pictures(span), self._interpolated(span))
 
     def pictures(self, span: tuple[int, int]) -> Clip:
-        """The pictures of a segment, around the body as it is posed and interpolated: elsewhere
-        they are prepared once a motion leads there."""
+        """The pictures of a segment, around the body as it is posed and interpolated."""
+        return self.prepared.pictures(self.skeleton, self._interpolated(span))
+
+    def _interpolated(self, span: tuple[int, int]) -> Trajectory:
         start, end = (self.keyposes[frame] for frame in span)
-        motion = interpolate(start, end, *span)
-        loader = self.loader(span)
-        lens = lens_of(loader.size.camera(loader.camera))
-        windows = body_windows(self.skeleton, lens, *motion.writable())
-        return loader.load(*span, window_around(windows), window_around(windows, MARGIN))
+        return interpolate(start, end, *span)
 
     def scene_about(
         self, poses: Sequence[Pose], span: tuple[int, int], density: float, free: bool = False
     ) -> Scene:
         """The scene of frames in which the body is about as in these poses."""
-        loader = self.loader(span)
-        camera = loader.size.camera(loader.camera)
         skeleton = with_free_joints(self.skeleton) if free else self.skeleton
-        return Scene.of(skeleton, camera, poses, density, self._sample)
+        longest = span[1] - span[0] + 1
+        return self.prepared.scene(skeleton, poses, longest, density, self._sample)
 
     def _sample(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
         """Surface points, cached by spacing."""
@@ -267,7 +228,7 @@ class Tracker:
     @property
     def frame_count(self) -> int:
         """The number of frames of the video."""
-        return self._prepared.frame_count
+        return self.prepared.frame_count
 
     @property
     def spans(self) -> list[tuple[int, int]]:
@@ -395,11 +356,22 @@ class Tracker:
             followed = begun.ways[0].trajectory if begun is not None else None
             candidates = anchors_of(free, segment, camera, keypoints, followed=followed)
             if candidates:
-                return (yield from track_anchored(scene, free, segment, method, candidates, begun))
+                films = self._beside(segment, free.skeleton, method)
+                tracked = track_anchored(
+                    scene, free, segment, method, candidates, begun, films=films
+                )
+                return (yield from tracked)
             off_person = keyframe_off_person(free, segment, camera, keypoints)
             outcome = yield from track_segment(scene, segment, method)
             return replace(outcome, off_person=off_person)
         return (yield from track_segment(scene, segment, method))
+
+    def _beside(
+        self, segment: Segment, skeleton: Skeleton, method: Keypose
+    ) -> tuple[OtherFilm, ...]:
+        """What other films show of a segment."""
+        shown = [film.over(segment, skeleton, method.density, self._sample) for film in self._films]
+        return tuple(film for film in shown if film is not None)
 
     def _keypoints_of(
         self, source: KeypointSource | None, segment: Segment, emit: Emit
@@ -421,7 +393,7 @@ class Tracker:
     def _outlines(self, segment: Segment, settings: TrackSettings, emit: Emit) -> Outlines | None:
         """Where the person is, before a camera that moves; None before one that stands
         still, and where no silhouette counts."""
-        if self._prepared.shows_background or not self._uses_silhouette(settings):
+        if self.prepared.shows_background or not self._uses_silhouette(settings):
             return None
         keypoints = self._keypoints_of(self._people, segment, emit)
         loader = self.loader((segment.first_frame, segment.last_frame))
@@ -446,7 +418,7 @@ class Tracker:
         person."""
         wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
         persons = self._people is not None and is_persons(self.skeleton.body)
-        return wanted and (self._prepared.shows_background or persons)
+        return wanted and (self.prepared.shows_background or persons)
 
 
 def _are_equal(pose: Pose, other: Pose) -> bool:

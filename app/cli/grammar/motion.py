@@ -25,7 +25,7 @@ from keypose.app.cli.arguments import (
     session_file,
     typed,
 )
-from keypose.app.orders.film import FilmOrder, RunOrder
+from keypose.app.orders.film import BesideOrder, FilmOrder, RunOrder
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
@@ -69,6 +69,33 @@ def add_draft(commands: Subcommands) -> None:
     command.add_argument("--out", metavar="DIR", type=file_name, help="folder for the session")
     add_json(command)
     add_overwrite(command)
+
+
+_ADD_FILM_EXAMPLES = """\
+  keypose add-film jump.keypose side.mp4 --dry-run --json
+  keypose add-film jump.keypose side.mp4
+  keypose add-film jump.keypose side.mp4 --begins 3.4 --box 180,90,400,600
+"""
+
+
+def add_add_film(commands: Subcommands) -> None:
+    details = (
+        "One film tells how far away a limb is by guess; a second one sees it. Both films are "
+        "tracked together from then on. When it was taken is found from the motion that both show, "
+        "with its ±, and where its camera stands from the body itself; a lens that is a guess, in "
+        "either film, is found with it. Keyframes that were posed in one film are mended by both. "
+        "Where the motion repeats itself, every moment that is as likely is printed."
+    )
+    command = add_command(commands, "add-film", details, _ADD_FILM_EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "video", metavar="FILM", type=file_name, help="video file or folder of images"
+    )
+    add_order(command, BesideOrder)
+    command.add_argument(
+        "--dry-run", action="store_true", help="say what would change and write nothing"
+    )
+    add_json(command)
 
 
 _TRACK_EXAMPLES = """\

@@ -82,7 +82,7 @@ def test_what_is_edited_is_the_first_body_and_the_others_motion_stays(path: Path
                     ),
                 )
             },
-            "all views must have the same frames",
+            "without a clock views must have the same frames",
         ),
         (
             lambda s: {"views": (s.view.model_copy(update={"p_camera_world": (0.0, 0.0, 1.0)}),)},

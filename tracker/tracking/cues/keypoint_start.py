@@ -31,8 +31,8 @@ def from_keypoints(correction: Correction, reach_far: bool = True) -> Trajectory
     begun = (path, _frame_by_frame(correction)) if reach_far else (path,)
     for trajectory in begun:
         for kernel in (Huber(), Cauchy()):
-            trajectory = correction.solve(trajectory, held, kernel)
-        cost = correction.problem(held, Cauchy()).cost(trajectory)
+            trajectory = correction.solve(trajectory, (held,), kernel)
+        cost = correction.problem((held,), Cauchy()).cost(trajectory)
         ways.append((float(cost), len(ways), trajectory))
     return min(ways)[-1]
 

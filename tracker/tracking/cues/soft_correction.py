@@ -35,7 +35,10 @@ from keypose.tracker.tracking.drift import Doubt, Motions
 from keypose.tracker.tracking.prior_motion import prior_motion_links
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from keypose.tracker.tracking.cues.anchors import Anchors
+    from keypose.tracker.tracking.cues.other_film import OtherFilm
     from keypose.tracker.tracking.scene import Scene
     from keypose.tracker.tracking.segment import Segment
 
@@ -45,7 +48,10 @@ class Correction:
     """What a segment's motion is corrected with: anchors, limits and smoothness.
 
     scene: of the skeleton with free joints.  drift_scale: how many times as far as its doubts say
-    brightness leads astray.
+    brightness leads astray.  films: others that show the segment.
+
+    What was measured are the steps of the first film, and those of each of the others at its own
+    frames, where these were looked at.
     """
 
     scene: Scene
@@ -53,20 +59,26 @@ class Correction:
     anchors: Anchors
     open_end: bool = False
     drift_scale: float = 1.0
+    films: tuple[OtherFilm, ...] = ()
 
-    def solve(self, present: Trajectory, measured: Increments, kernel: Kernel) -> Trajectory:
+    def solve(
+        self, present: Trajectory, measured: Sequence[Increments], kernel: Kernel
+    ) -> Trajectory:
         """The motion nearest to what was measured and to the anchors, from `present` on."""
         if len(present) < 3 and not self.open_end:
             return present
         return self.problem(measured, kernel).solve(present, QUICK)
 
     def problem(
-        self, measured: Increments, kernel: Kernel, bend: MotionSigma | None = BEND
+        self, measured: Sequence[Increments], kernel: Kernel, bend: MotionSigma | None = BEND
     ) -> MotionProblem:
         """All terms, with smoothness of this σ, unless a motion of before says how it goes."""
         scene, skeleton = self.scene, self.scene.skeleton
         unknown = slice(1, None if self.open_end else -1)
-        links = with_drift(measured, self.drift_scale)
+        own, *elsewhere = measured
+        links = with_drift(own, self.drift_scale)
+        for film, steps in zip(self.films, elsewhere, strict=False):
+            links = (*links, film.link(with_drift(steps, self.drift_scale)))
         if self.segment.own is not None:
             links = (*links, *prior_motion_links(scene, self.segment.own))
         elif bend is not None:
@@ -79,9 +91,10 @@ class Correction:
         posed = [self.segment.start.Rs_parent_part, self.segment.end.Rs_parent_part]
         limits = Limits.of(self.scene.skeleton.body).widened(posed[: 1 if self.open_end else 2])
         anchored = self.anchors.terms(self.scene.camera, kernel, frames)
-        return *anchored, JointLimits(limits, LIMIT_RAD)
+        beside = (term for film in self.films for term in film.frame_terms(frames, kernel))
+        return *anchored, *beside, JointLimits(limits, LIMIT_RAD)
 
-    def cost(self, motion: Trajectory, measured: Increments) -> float:
+    def cost(self, motion: Trajectory, measured: Sequence[Increments]) -> float:
         """What motions from different starts are compared by: the anchors, the limits, and
         how far each step is from what the picture shows there.
         """

@@ -112,7 +112,7 @@ def test_keypoints_take_out_more_of_a_drift_that_is_known_to_be_large() -> None:
 
     def missed(scale: float) -> float:
         correction = replace(plain, drift_scale=scale)
-        found = correction.solve(film.truth, astray, Cauchy())
+        found = correction.solve(film.truth, (astray,), Cauchy())
         return float(joints_apart_m(found, film.truth).mean())
 
     assert missed(4.0) < 0.75 * missed(1.0)

@@ -55,7 +55,7 @@ def test_without_keypoints_it_is_the_drift_correction_of_the_paper() -> None:
     printed = correct_drift(plain, motions, film.segment.end).trajectory
     bare = replace(_correction(film), anchors=_nothing(film))
     measured = measured_increments(film.free, plain, motions)
-    problem = bare.problem(replace(measured, kernel=SQUARED), SQUARED, None)
+    problem = bare.problem((replace(measured, kernel=SQUARED),), SQUARED, None)
     found = _solved(problem, plain)
     turn = np.linalg.norm(
         log_rotation(transpose(printed.Rs_parent_part) @ found.Rs_parent_part), axis=-1
@@ -78,7 +78,7 @@ def _solved(problem: MotionProblem, start: Trajectory) -> Trajectory:
 def test_both_keyframes_stay_exactly_where_they_were_posed() -> None:
     film = Filmed(moving())
     measured = measured_increments(film.free, film.truth, _drifting(film.truth))
-    found = _correction(film).solve(film.segment.interpolated(), measured, Cauchy())
+    found = _correction(film).solve(film.segment.interpolated(), (measured,), Cauchy())
     assert closing_error(found, film.segment.start, film.segment.end) == 0.0
 
 
@@ -115,7 +115,7 @@ def test_drift_is_taken_out_between_keyframes_too_not_only_at_the_second() -> No
     motions = _drifting(film.truth, size=0.02)
     printed = correct_drift(film.truth, motions, film.segment.end).trajectory
     measured = measured_increments(film.free, film.truth, motions)
-    soft = _correction(film).solve(film.truth, measured, Cauchy())
+    soft = _correction(film).solve(film.truth, (measured,), Cauchy())
     assert (
         joints_apart_m(soft, film.truth).mean() < 0.5 * joints_apart_m(printed, film.truth).mean()
     )

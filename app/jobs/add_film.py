@@ -1,0 +1,324 @@
+"""Add a film of the same motion to a session: when it was taken, and where its camera stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.app.document.new import new_session
+from keypose.app.editor.documents import seen_as_before
+from keypose.app.editor.drafted import KEYPOINT_SOURCE
+from keypose.app.jobs.film_session import people_seen
+from keypose.app.orders.film import BesideOrder
+from keypose.app.words.people import NOBODY, several_words
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import KeypointError, SessionError
+from keypose.tracker.films.cameras import at_scale_of, joints_of_pose, lengths_of
+from keypose.tracker.films.offset import FoundOffset, OffsetSearch, find_offsets
+from keypose.tracker.films.sightings import Sightings
+from keypose.tracker.geometry.film_clock import FilmClock
+from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
+from keypose.tracker.keypoints.detect import Seed, detect
+from keypose.tracker.keypoints.detectors import open_detector
+from keypose.tracker.keypoints.find_people import spread_frames
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.keypoints.on_body import is_persons
+from keypose.tracker.keypoints.region import Box
+from keypose.tracker.operations.mend_keyframes import MendedKeyframes, mend_keyframes
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from keypose.tracker.session.views import Clock, Placed, View
+from keypose.tracker.storage.cache import Detections
+from keypose.tracker.storage.files import open_video_of
+from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
+from keypose.tracker.tracking.pool import Cancelled, never
+from keypose.tracker.video import Video
+
+MOST_FILMS = 8
+MOST_DRAFTS = 30
+"""That are asked how far away a camera is; neighbouring ones know the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class AddedFilm:
+    """A film that was found to show the motion of a session.
+
+    session: with the film as its last view, which has no keypoints yet, and with mended keyframes.
+    keypoints, network, seed: what was seen of the person in it, by which network, and the frame at
+        which it was looked for first.
+    offset: when it was taken, and where its camera stands.  others: the other offsets that may be
+        true.  mended: what became of the keyframes.
+    """
+
+    session: Session
+    keypoints: Keypoints
+    network: str
+    seed: int
+    offset: FoundOffset
+    others: tuple[FoundOffset, ...]
+    mended: MendedKeyframes
+
+    @property
+    def view(self) -> View:
+        """Of the film."""
+        return self.session.views[-1]
+
+    def saved(self, session_path: Path) -> Session:
+        """The session, not yet saved, with the film's keypoints, which are written beside its
+        file."""
+        alone = save_keypoints(
+            self.session.alone(self.view.id),
+            session_path,
+            self.keypoints,
+            KEYPOINT_SOURCE,
+            network=self.network,
+            seeds=(self.seed,),
+        )
+        view = self.view.model_copy(update={"keypoints": alone.view.keypoints})
+        return self.session.model_copy(update={"views": (*self.session.views[:-1], view)})
+
+
+def found_film(
+    session: Session,
+    session_path: Path,
+    path: Path,
+    order: BesideOrder,
+    report: Callable[[float], None] = lambda share: None,
+    cancelled: Callable[[], bool] = never,
+) -> AddedFilm:
+    """A film that shows the motion of a session; no file is written.
+
+    path: of the film.  report: receives the share that is done.  Cancelled, or KeyposeError in one
+    sentence where it cannot be read, shows nobody, or nothing that the first shows.
+    """
+    _require_room(session)
+    with open_video_of(session, session_path) as first, Video.open(path) as video:
+        view = _begun_view(session, session_path, video)
+        first_keypoints = _keypoints_of_first(session, session_path, first, cancelled)
+        report(0.2)
+        box, at = _box(order, video)
+        film_keypoints, network = _detected(session, view, video, box, at, report, cancelled)
+        rates = first.info.fps, video.info.fps
+    offsets = _offsets(
+        session, view, (first_keypoints, film_keypoints), rates, order.begins, cancelled
+    )
+    if cancelled():
+        raise Cancelled
+    if not offsets:
+        raise SessionError(
+            f"{path.name} and {Path(session.view.video.path).name} show no motion in common, so "
+            "nothing tells when it was taken: give the frame at which it begins."
+        )
+    session = _with_first_lens(session, offsets[0].camera.first_focal)
+    best, *others = (_at_scale(session, view, film_keypoints, offset) for offset in offsets)
+    after = _with_view(session, _placed(view, best, others))
+    mended = mend_keyframes(after, {session.view.id: first_keypoints, view.id: film_keypoints})
+    return AddedFilm(mended.session, film_keypoints, network, at, best, tuple(others), mended)
+
+
+def _with_first_lens(session: Session, ratio: float) -> Session:
+    """The session with the lens that its first turned out to have: what is posed is seen as large
+    as before."""
+    if ratio == 1.0:
+        return session
+    lens = session.view.camera.zoomed(ratio)
+    return seen_as_before(session, session.changed({"camera": lens, "lens_source": "fitted"}))
+
+
+def _at_scale(
+    session: Session, view: View, keypoints: Keypoints, offset: FoundOffset
+) -> FoundOffset:
+    """An offset with its camera as far away as all that is posed says."""
+    count = session.view.video.frame_count
+    film = Sightings.of(keypoints, view.camera, view.video.frame_count)
+    film = film.at(offset.clock, np.arange(count))
+    posed = (*session.subject.keyframes, *session.subject.drafts[:: _every(session)])
+    return replace(offset, camera=at_scale_of(offset.camera, film, _joints_at(session, posed)))
+
+
+def _every(session: Session) -> int:
+    """One in how many drafts is asked."""
+    return max(1, len(session.subject.drafts) // MOST_DRAFTS)
+
+
+def _joints_at(session: Session, keyframes: Iterable[Keyframe]) -> dict[int, Array]:
+    """Joints (J, 3) in the first camera's frame, by frame."""
+    skeleton = Skeleton.of(session.subject.body)
+    return {each.frame: joints_of_pose(skeleton, each.pose(skeleton)) for each in keyframes}
+
+
+def _with_view(session: Session, view: View) -> Session:
+    """The session with a further view."""
+    return Session.model_validate(
+        session.model_copy(update={"views": (*session.views, view)}).model_dump()
+    )
+
+
+_TAKES_NONE = ByEvidence(
+    {FilmEvidence: "", SurfaceEvidence: "A session about surfaces takes no film beside them."}
+)
+
+
+def _require_room(session: Session) -> None:
+    if why := _TAKES_NONE.of(session):
+        raise SessionError(why)
+    if not is_persons(session.subject.body):
+        raise SessionError(
+            "Where another film's camera stands is found from a person: this body is none."
+        )
+    if len(session.views) >= MOST_FILMS:
+        raise SessionError(f"The session has {MOST_FILMS} films already, which are the most.")
+
+
+def _begun_view(session: Session, session_path: Path, video: Video) -> View:
+    """The view of a film, before anything is known of where it stands."""
+    view = new_session(video, session_path).view
+    fingerprints = [each.video.fingerprint for each in session.views]
+    if view.video.fingerprint and view.video.fingerprint in fingerprints:
+        raise SessionError("This film is in the session already.")
+    taken = {each.id for each in session.views}
+    number = next(n for n in range(2, MOST_FILMS + 2) if f"film-{n}" not in taken)
+    return view.model_copy(update={"id": f"film-{number}"})
+
+
+def _keypoints_of_first(
+    session: Session, session_path: Path, video: Video, cancelled: Callable[[], bool]
+) -> Keypoints:
+    """What is seen of the person in the first film: a draft's keypoints, or looked for from the
+    keyframes on."""
+    drafted = keypoints_of_session(session, session_path.parent)
+    if drafted is not None:
+        return drafted
+    camera, keyframes = session.view.camera, session.subject.keyframes
+    if not keyframes:
+        raise SessionError(
+            "Draft the first film or pose a keyframe first: nothing says where the person is in it."
+        )
+    skeleton = Skeleton.of(session.subject.body)
+    seeds = [Seed.of_pose(k.frame, skeleton, k.pose(skeleton), camera) for k in keyframes]
+    last = session.view.video.frame_count - 1
+    model = find_model(session.settings.network_used)
+    return detect(
+        _leaving(video, cancelled),
+        (0, last),
+        seeds,
+        open_detector(model),
+        film=session.view.video.pictures,
+        kept=Detections(),
+    )
+
+
+def _leaving(video: Video, cancelled: Callable[[], bool]) -> Callable[[int], NDArray[np.uint8]]:
+    """The pictures of a video, until it is cancelled."""
+
+    def picture(number: int) -> NDArray[np.uint8]:
+        if cancelled():
+            raise Cancelled
+        return video.frame(number)
+
+    return picture
+
+
+def _box(order: BesideOrder, video: Video) -> tuple[Box, int]:
+    """Around whom to look, and at which frame."""
+    if order.box is not None:
+        return order.box, order.frame or 0
+    people = people_seen(video, spread_frames(0, video.info.frame_count - 1))
+    if people is None:
+        raise KeypointError(NOBODY)
+    if len(people.people) > 1:
+        raise KeypointError(several_words(people))
+    return people.people[0].box, people.frame
+
+
+def _detected(
+    session: Session,
+    view: View,
+    video: Video,
+    box: Box,
+    at: int,
+    report: Callable[[float], None],
+    cancelled: Callable[[], bool],
+) -> tuple[Keypoints, str]:
+    """What is seen of the person in the film, and by which network."""
+    model, count = find_model(session.settings.network_used), video.info.frame_count
+    network, pictures = open_detector(model), _leaving(video, cancelled)
+    looks = 0
+
+    def picture(number: int) -> NDArray[np.uint8]:
+        nonlocal looks
+        looks += 1
+        report(0.2 + 0.7 * min(looks / count, 1.0))
+        return pictures(number)
+
+    keypoints = detect(
+        picture,
+        (0, count - 1),
+        [Seed.of_box(at, box, view.camera.width, view.camera.height)],
+        network,
+        film=view.video.pictures,
+        kept=Detections(),
+        every_second=model.skips_frames_at(video.info.fps),
+    )
+    return keypoints, network.fingerprint
+
+
+def _offsets(
+    session: Session,
+    view: View,
+    keypoints: tuple[Keypoints, Keypoints],
+    rates: tuple[float, float],
+    begins: float | None,
+    cancelled: Callable[[], bool],
+) -> tuple[FoundOffset, ...]:
+    """When the film was taken, the likeliest first."""
+    first = Sightings.of(keypoints[0], session.view.camera, session.view.video.frame_count)
+    film = Sightings.of(keypoints[1], view.camera, view.video.frame_count)
+    keyed = _joints_at(session, (each for each in session.subject.keyframes if not each.drafted))
+    lengths_m, rate = lengths_of(session.subject.body), rates[1] / rates[0]
+    guesses = session.view.lens_is_guess, view.lens_is_guess
+    if begins is not None:
+        clock = FilmClock(begins, rate)
+        search = OffsetSearch(first, film, rates[0], lengths_m, guesses, keyed)
+        camera = search.camera_at(clock)
+        return () if camera is None else (FoundOffset(clock, 0.0, camera),)
+    return find_offsets(
+        first,
+        film,
+        rate=rate,
+        fps=rates[0],
+        lengths_m=lengths_m,
+        free_focal=guesses,
+        keyed=keyed,
+        cancelled=cancelled,
+    )
+
+
+def _placed(view: View, best: FoundOffset, others: list[FoundOffset]) -> View:
+    """The view with its clock and its camera as found."""
+    clock, placed = best.clock, best.camera
+    T = placed.T_camera_first
+    update = {
+        "clock": Clock(
+            begins=round(clock.begins, 4),
+            rate=round(clock.rate, 8),
+            sigma=round(best.sigma, 4) if 0 < best.sigma < np.inf else None,
+            also=tuple(round(each.clock.begins, 4) for each in others),
+        ),
+        "placed": Placed(
+            source="body",
+            turn_sigma_rad=round(placed.sigma_rad, 6),
+            place_sigma_m=round(placed.sigma_m, 4),
+        ),
+        "R_camera_world_wxyz": tuple(float(q) for q in quaternion_wxyz(T[:3, :3])),
+        "p_camera_world": tuple(round(float(p), 6) for p in T[:3, 3]),
+        "camera": view.camera.zoomed(placed.focal),
+    }
+    if placed.focal != 1.0:
+        update["lens_source"] = "fitted"
+    return view.model_copy(update=update)

@@ -1,0 +1,78 @@
+"""Word what is known of a film beside the first: when it was taken, and where its camera stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.operations.mend_keyframes import MendedKeyframes
+from keypose.tracker.session.views import View
+
+
+def film_words(view: View) -> str:
+    """Such as "side.mp4 begins 3.4 ± 0.2 frames after the first film. Its camera stands 5.1 m from
+    the first one's (± 0.4 m), turned by 62° (± 3°)."."""
+    name = Path(view.video.path).name
+    away, turned = np.linalg.norm(place_of(view)), turned_deg(view)
+    where = f"Its camera stands {away:.1f} m from the first one's{_metres(view)}, turned by "
+    return f"{name} {clock_words(view)}. {where}{turned:.0f}°{_degrees(view)}."
+
+
+def clock_words(view: View) -> str:
+    """Such as "begins 3.4 ± 0.2 frames after the first film"."""
+    if view.clock is None:
+        return "has the frames of the first film"
+    begins, sigma = view.clock.begins, view.clock.sigma
+    off = "" if sigma is None else f" ± {max(2 * sigma, 0.05):.1f}"
+    words = f"begins {abs(begins):.1f}{off} frames {'before' if begins < 0 else 'after'} the first"
+    if abs(view.clock.rate - 1) > 1e-4:
+        words += f" film, {view.clock.rate:.4g} frames of it to one of that"
+    else:
+        words += " film"
+    if not view.clock.also:
+        return words
+    others = " or ".join(f"{each:.1f}" for each in view.clock.also)
+    return f"{words}; the motion repeats itself, so it may as well begin at {others}"
+
+
+def lens_words(before: View, after: View) -> str:
+    """Such as "Both films show that the first one's lens is 24 mm, not 29 mm."; empty where it
+    stays."""
+    was, is_now = before.camera.focal_mm, after.camera.focal_mm
+    if before.camera == after.camera:
+        return ""
+    return f"Both films show that the first one's lens is {is_now:.0f} mm, not {was:.0f} mm."
+
+
+def mended_words(mended: MendedKeyframes) -> str:
+    """Such as "4 keyframes were mended by what all films show, by 6 cm in the median."."""
+    count = len(mended.moved_m)
+    if not count:
+        return ""
+    middle = 100 * float(np.median(list(mended.moved_m.values())))
+    noun = "1 keyframe was" if count == 1 else f"{count} keyframes were"
+    return f"{noun} mended by what all films show, by {middle:.0f} cm in the median."
+
+
+def place_of(view: View) -> Array:
+    """(3,) where the view's camera is in the first camera's frame, metres."""
+    T = view.T_camera_world
+    return np.asarray(-transpose(T[:3, :3]) @ T[:3, 3])
+
+
+def turned_deg(view: View) -> float:
+    """By how much the view's camera is turned from the first one's."""
+    cosine = (np.trace(view.T_camera_world[:3, :3]) - 1) / 2
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def _metres(view: View) -> str:
+    sigma = view.placed and view.placed.place_sigma_m
+    return f" (± {sigma:.1f} m)" if sigma else ""
+
+
+def _degrees(view: View) -> str:
+    sigma = view.placed and view.placed.turn_sigma_rad
+    return f" (± {np.degrees(sigma):.0f}°)" if sigma else ""

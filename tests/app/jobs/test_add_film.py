@@ -1,0 +1,269 @@
+"""A second film of a motion is added, laid beside the first in time and space, and tracked with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+
+from keypose.app.cli.main import main
+from keypose.app.document.new import new_session
+from keypose.app.jobs import add_film
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.films.cameras import joints_of_pose
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.film_clock import FilmClock, sampled
+from keypose.tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler, transform
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.fingerprints import segment_keys
+from keypose.tracker.storage.results import load_results
+from keypose.tracker.storage.sidecars import save_keypoints
+from keypose.tracker.video import Video
+from tests.rendering.motions import crossing, throw
+
+SIZE = 320, 180
+SKELETON = Skeleton.of(preset("adult_male"))
+CLOCK = FilmClock(3.4)
+KEYS = (20, 70)
+R_SIDE = rotation_from_euler(0.05, np.radians(65.0), 0.08)
+FROM_THE_SIDE = ("--box", "100,20,220,170")
+
+
+def joints_of(motion: Callable[[Skeleton], Trajectory]) -> Array:
+    path = motion(SKELETON)
+    frames = range(path.first_frame, path.last_frame + 1)
+    return np.stack([joints_of_pose(SKELETON, path.pose(frame)) for frame in frames])
+
+
+JOINTS_M = joints_of(throw)
+MIDDLE = np.median(JOINTS_M.reshape(-1, 3), axis=0)
+T_SIDE = transform(R_SIDE, MIDDLE - R_SIDE @ MIDDLE + np.array([0.3, 0.1, 0.4]))
+
+
+def write_video(path: Path, frames: int, seed: int) -> Path:
+    """Noise, which nothing can be followed in."""
+    rng = np.random.default_rng(seed)
+    with av.open(path, "w") as file:
+        stream = file.add_stream("libx264", rate=30)
+        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
+        for _ in range(frames):
+            picture = rng.integers(0, 255, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, "rgb24")))
+        file.mux(stream.encode())
+    return path
+
+
+def keypoints_of(joints: Array, camera: Camera, seed: int) -> Keypoints:
+    """What a detector says of joints (N, J, 3) before a camera."""
+    rng = np.random.default_rng(seed)
+    uv = camera.project(joints)
+    height = camera.fy * 1.7 / float(np.nanmedian(joints[..., 2]))
+    uv = uv + rng.normal(0.0, 0.005 * height, uv.shape)
+    hips = joints - joints[:, 6:8].mean(axis=1, keepdims=True)
+    hips = hips + rng.normal(0.0, 0.05, hips.shape)
+    seen = np.isfinite(uv).all(axis=-1)
+    return Keypoints(0, JOINTS, uv, seen.astype(float), hips)
+
+
+def deeper(pose: Pose) -> Pose:
+    """A pose that looks right from the front: limbs nearer or farther than they are."""
+    R = pose.Rs_parent_part.copy()
+    for name, rad in (("left_upper_arm", 0.7), ("right_thigh", -0.4), ("waist", 0.2)):
+        part = SKELETON.body.index(name)
+        R[part] = R[part] @ exp_rotation(np.array([rad, 0.0, 0.0]))
+    return Pose(R, pose.p_camera_root * 1.02)
+
+
+def begun(folder: Path, *, wrong: bool = False) -> Path:
+    """A session of the first film, with two keyframes and a detector's keypoints."""
+    path = folder / "session.json"
+    with Video.open(write_video(folder / "front.mp4", len(JOINTS_M), 1)) as video:
+        session = new_session(video, path)
+    camera = Camera.from_focal_length(*SIZE, 30.0)
+    motion = throw(SKELETON)
+    poses = {frame: motion.pose(frame) for frame in KEYS}
+    keyframes = tuple(
+        Keyframe.of(SKELETON, deeper(pose) if wrong else pose, frame, frame / 30)
+        for frame, pose in poses.items()
+    )
+    settings = session.settings.model_copy(update={"cues": ("keypoints",), "smooth": False})
+    session = session.changed(
+        {
+            "camera": camera,
+            "lens_source": "person",
+            "body": SKELETON.body,
+            "keyframes": keyframes,
+            "settings": settings,
+        }
+    )
+    session = save_keypoints(session, path, keypoints_of(JOINTS_M, camera, 1), "a detector")
+    save_session(session, path)
+    return path
+
+
+@pytest.fixture
+def side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The second film, taken from the side and 3.4 frames later, in which a detector sees him."""
+    count = len(JOINTS_M) - 8
+    seen_in(monkeypatch, JOINTS_M, count)
+    return write_video(tmp_path / "side.mp4", count, 2)
+
+
+def seen_in(monkeypatch: pytest.MonkeyPatch, joints: Array, count: int) -> None:
+    """What the detector sees in the second film."""
+
+    class Network:
+        fingerprint = "seen by nobody"
+
+    def detect(*_: Any, **__: Any) -> Keypoints:
+        there = sampled(joints, CLOCK.moments_of(np.arange(count)))
+        there = there @ T_SIDE[:3, :3].T + T_SIDE[:3, 3]
+        return keypoints_of(there, Camera.guess(*SIZE), 2)
+
+    monkeypatch.setattr(add_film, "detect", detect)
+    monkeypatch.setattr(add_film, "open_detector", lambda model: Network())
+    monkeypatch.setattr(add_film, "find_model", find_model)
+
+
+def added(path: Path, film: Path, *more: str) -> Session:
+    assert main(["add-film", str(path), str(film), *FROM_THE_SIDE, *more]) == 0
+    return load_session(path)
+
+
+def about_hips(joints: Array) -> Array:
+    return joints - joints[:, 6:8].mean(axis=1, keepdims=True)
+
+
+def off_mm(path: Path) -> float:
+    """How far joints are from the truth between the keyframes."""
+    session = load_session(path)
+    fitting = load_results(session, path).fitting(session)
+    motion = joined([fitting[span].trajectory for span in sorted(fitting)])
+    frames = range(KEYS[0] + 1, KEYS[1])
+    joints = np.stack([joints_of_pose(SKELETON, motion.pose(frame)) for frame in frames])
+    return 1000 * float(
+        np.linalg.norm(joints - JOINTS_M[frames.start : frames.stop], axis=-1).mean()
+    )
+
+
+def test_its_clock_and_its_camera_are_found_and_kept(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    session = added(path, side)
+    first, other = session.views
+    assert other.id == "film-2"
+    assert other.clock is not None
+    assert abs(other.clock.begins - CLOCK.begins) < 0.3
+    R = other.T_camera_world[:3, :3] @ R_SIDE.T
+    assert np.degrees(np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1))) < 4.0
+    assert other.keypoints is not None
+    assert (tmp_path / other.keypoints.file).is_file()
+    assert first.camera == Camera.from_focal_length(*SIZE, 30.0)
+    said = capsys.readouterr().out
+    assert "side.mp4 begins 3." in said
+    assert "Its camera stands" in said
+
+
+def test_two_films_track_nearer_to_the_truth_than_one(tmp_path: Path, side: Path) -> None:
+    path = begun(tmp_path)
+    main(["track", str(path)])
+    alone = off_mm(path)
+    added(path, side)
+    main(["track", str(path)])
+    assert off_mm(path) < 0.6 * alone
+
+
+def test_keyframes_that_were_posed_in_one_film_are_mended_and_that_is_said(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path, wrong=True)
+    before = load_session(path).subject.keyframes
+    after = added(path, side).subject.keyframes
+
+    def off(keyframes: tuple[Keyframe, ...]) -> float:
+        joints = np.stack([joints_of_pose(SKELETON, each.pose(SKELETON)) for each in keyframes])
+        away = about_hips(joints) - about_hips(JOINTS_M[list(KEYS)])
+        return float(np.linalg.norm(away, axis=-1).mean())
+
+    assert off(after) < 0.5 * off(before)
+    assert "2 keyframes were mended by what all films show" in capsys.readouterr().out
+
+
+def test_a_dry_run_says_the_same_and_writes_nothing(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    added(path, side, "--dry-run", "--json")
+    finished = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert abs(finished["begins"] - CLOCK.begins) < 0.3
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
+def test_where_it_begins_may_be_said(tmp_path: Path, side: Path) -> None:
+    other = added(begun(tmp_path), side, "--begins", "4.25").views[1]
+    assert other.clock is not None
+    assert other.clock.begins == 4.25
+    assert other.clock.sigma is None
+
+
+def test_another_clock_of_the_film_makes_what_was_tracked_outdated(
+    tmp_path: Path, side: Path
+) -> None:
+    path = begun(tmp_path)
+    keys = [segment_keys(load_session(path))]
+    session = added(path, side)
+    keys.append(segment_keys(session))
+    view = session.views[1]
+    assert view.clock is not None
+    later = view.clock.model_copy(update={"begins": view.clock.begins + 1})
+    moved = view.model_copy(update={"clock": later})
+    keys.append(segment_keys(session.model_copy(update={"views": (session.view, moved)})))
+    assert len({tuple(each.values()) for each in keys}) == 3
+
+
+def test_a_film_of_another_motion_is_refused_in_one_sentence(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    seen_in(monkeypatch, joints_of(crossing), len(JOINTS_M) - 8)
+    before = path.read_bytes()
+    assert main(["add-film", str(path), str(side), *FROM_THE_SIDE]) == 2
+    said = capsys.readouterr().err
+    assert "side.mp4 and front.mp4 show no motion in common" in said
+    assert said.count("\n") == 1
+    assert path.read_bytes() == before
+
+
+def test_the_same_film_twice_is_refused(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    added(path, side)
+    capsys.readouterr()
+    for film in (side, tmp_path / "front.mp4"):
+        assert main(["add-film", str(path), str(film), *FROM_THE_SIDE]) == 2
+        assert capsys.readouterr().err == "This film is in the session already.\n"
+
+
+def test_of_a_thing_no_camera_is_found(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    session = load_session(path)
+    thing = session.changed({"body": preset("box"), "keyframes": ()})
+    save_session(thing, path)
+    assert main(["add-film", str(path), str(side), *FROM_THE_SIDE]) == 2
+    assert "found from a person: this body is none" in capsys.readouterr().err

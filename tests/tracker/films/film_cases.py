@@ -1,0 +1,84 @@
+"""One motion as two cameras see it: what a detector says of it, with known truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.films.cameras import joints_of_pose
+from keypose.tracker.films.sightings import SIGMA_SHARE, Sightings
+from keypose.tracker.geometry.film_clock import FilmClock, sampled
+from keypose.tracker.geometry.rotations import Array, log_rotation, rotation_from_euler, transform
+
+BODY = preset("adult_male")
+SKELETON = Skeleton.of(BODY)
+SHAKES = 0.005
+BESIDE = 0.006
+"""Of a keypoint from frame to frame, and of a detector's own place of a joint, shares of height."""
+DEPTH_M = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class TwoFilms:
+    """Sightings of both films, joints (N, J, 3) in the first camera's frame, and the truth."""
+
+    first: Sightings
+    film: Sightings
+    joints: Array
+    T_film_first: Array
+    clock: FilmClock
+
+
+@lru_cache(maxsize=8)
+def joints_of(motion: Callable[[Skeleton], Trajectory]) -> Array:
+    """(N, J, 3) of a motion that is written before a camera."""
+    path = motion(SKELETON)
+    frames = range(path.first_frame, path.last_frame + 1)
+    return np.stack([joints_of_pose(SKELETON, path.pose(frame)) for frame in frames])
+
+
+def two_films(
+    motion: Callable[[Skeleton], Trajectory],
+    turned_deg: float,
+    clock: FilmClock,
+    *,
+    seed: int = 1,
+    focal: float = 1.0,
+) -> TwoFilms:
+    """focal: of the other film's lens, as a multiple of the one it is taken to have."""
+    rng = np.random.default_rng(seed)
+    joints = joints_of(motion)
+    middle = np.median(joints.reshape(-1, 3), axis=0)
+    R = rotation_from_euler(0.05, np.radians(turned_deg), 0.08)
+    T = transform(R, middle - R @ middle + np.array([0.3, 0.1, 0.4]))
+    count = int((len(joints) - 1 - max(clock.begins, 0.0)) * clock.rate)
+    there = sampled(joints, clock.moments_of(np.arange(count))) @ T[:3, :3].T + T[:3, 3]
+    return TwoFilms(_seen(joints, 1.0, rng), _seen(there, focal, rng), joints, T, clock)
+
+
+def _seen(joints: Array, focal: float, rng: np.random.Generator) -> Sightings:
+    tall = focal * 1.7 / float(np.nanmedian(joints[..., 2]))
+    own = rng.normal(0.0, BESIDE * tall, (1, *joints.shape[1:2], 2))
+    xy = focal * joints[..., :2] / joints[..., 2:]
+    xy = xy + rng.normal(0.0, SHAKES * tall, xy.shape) + own
+    hips = joints - joints[:, 6:8].mean(axis=1, keepdims=True)
+    hips = hips + rng.normal(0.0, DEPTH_M, hips.shape)
+    seen = np.isfinite(xy).all(axis=-1)
+    return Sightings(xy, seen.astype(float), SIGMA_SHARE * tall, hips)
+
+
+def turned_apart_deg(T: Array, other: Array) -> float:
+    """Between the rotations of two cameras."""
+    return float(np.degrees(np.linalg.norm(log_rotation(T[:3, :3] @ other[:3, :3].T))))
+
+
+def places_apart_m(T: Array, other: Array) -> float:
+    """Between the places of two cameras."""
+    there, here = (-each[:3, :3].T @ each[:3, 3] for each in (T, other))
+    return float(np.linalg.norm(there - here))

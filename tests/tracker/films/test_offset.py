@@ -1,0 +1,99 @@
+"""Two films of one motion are laid side by side in time, and their cameras found, from it alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from keypose.tracker.films.cameras import find_camera, lengths_of
+from keypose.tracker.films.offset import OffsetSearch, find_offsets
+from keypose.tracker.geometry.film_clock import FilmClock
+from tests.rendering.motions import crossing, stride, throw
+from tests.tracker.films.film_cases import (
+    BODY,
+    TwoFilms,
+    places_apart_m,
+    turned_apart_deg,
+    two_films,
+)
+
+LENGTHS_M = lengths_of(BODY)
+CASES = [
+    (throw, 60.0, FilmClock(3.4)),
+    (throw, -45.0, FilmClock(-7.3, 0.5)),
+    (throw, 90.0, FilmClock(12.0)),
+    (throw, 60.0, FilmClock(5.6, 1.2)),
+]
+
+
+def found_in(films: TwoFilms, **more: object) -> tuple:
+    return find_offsets(
+        films.first, films.film, rate=films.clock.rate, fps=30.0, lengths_m=LENGTHS_M, **more
+    )  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("motion", "turned_deg", "clock"), CASES)
+def test_when_a_film_was_taken_and_where_its_camera_stands_are_found_from_the_body(
+    motion: object, turned_deg: float, clock: FilmClock
+) -> None:
+    films = two_films(motion, turned_deg, clock)  # type: ignore[arg-type]
+    best = found_in(films)[0]
+    assert abs(best.clock.begins - clock.begins) < 0.5
+    assert turned_apart_deg(best.camera.T_camera_first, films.T_film_first) < 6.0
+    assert places_apart_m(best.camera.T_camera_first, films.T_film_first) < 0.9
+
+
+def test_its_plus_minus_covers_how_far_it_is_off() -> None:
+    off, sigmas = [], []
+    for seed in range(6):
+        films = two_films(throw, 60.0, FilmClock(3.4), seed=seed)
+        best = found_in(films)[0]
+        off.append(best.clock.begins - 3.4)
+        sigmas.append(best.sigma)
+    sizes = np.abs(off) / sigmas
+    assert np.median(sizes) < 1.5
+    assert sizes.max() < 3.5
+
+
+@pytest.mark.parametrize("motion", [crossing, stride])
+@pytest.mark.parametrize("turned_deg", [60.0, 90.0])
+def test_where_the_motion_repeats_itself_every_likely_moment_is_kept(
+    motion: object, turned_deg: float
+) -> None:
+    films = two_films(motion, turned_deg, FilmClock(4.0))  # type: ignore[arg-type]
+    begins = [each.clock.begins for each in found_in(films)]
+    assert any(abs(each - 4.0) < 1.0 for each in begins)
+    assert len(begins) > 1
+
+
+def test_films_of_two_motions_have_no_moment_in_common() -> None:
+    thrown, crossed = two_films(throw, 60.0, FilmClock()), two_films(crossing, 60.0, FilmClock())
+    assert found_in(replace(thrown, film=crossed.film)) == ()
+
+
+def test_a_film_in_which_nobody_is_seen_tells_nothing() -> None:
+    films = two_films(throw, 60.0, FilmClock())
+    unseen = np.full_like(films.first.xy, np.nan)
+    nobody = replace(films.first, xy=unseen, visibility=0 * films.first.visibility)
+    assert found_in(replace(films, film=nobody)) == ()
+    assert find_camera(films.first, nobody, LENGTHS_M) is None
+
+
+def test_a_lens_that_is_a_guess_is_found_with_the_camera() -> None:
+    films = two_films(throw, 70.0, FilmClock(), focal=0.85)
+    search = OffsetSearch(films.first, films.film, 30.0, LENGTHS_M, (False, True))
+    camera = search.camera_at(FilmClock())
+    assert camera is not None
+    assert abs(camera.focal - 0.85) < 0.06
+    assert turned_apart_deg(camera.T_camera_first, films.T_film_first) < 6.0
+
+
+def test_a_posed_keyframe_tells_where_the_camera_is_where_the_network_knows_no_depth() -> None:
+    films = two_films(throw, 60.0, FilmClock())
+    flat = replace(films.first, p_hips=np.full_like(films.first.p_hips, np.nan))
+    film = films.film.at(FilmClock(), np.arange(len(flat)))
+    camera = find_camera(flat, film, LENGTHS_M, keyed={40: films.joints[40]})
+    assert camera is not None
+    assert turned_apart_deg(camera.T_camera_first, films.T_film_first) < 6.0

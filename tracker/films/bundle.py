@@ -1,0 +1,392 @@
+"""Bundle adjustment over a body: where several cameras are that saw it at the same moments, how
+long their lenses are, and where its joints were, in one solve.
+
+The bones, whose lengths are known, give the scale. What is minimised are distances in the pictures
+and of bones from their lengths, in standard deviations, weighed by Cauchy's kernel; joints are
+eliminated moment by moment (Schur), since bones couple those of one moment alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.films.sightings import Sightings
+from keypose.tracker.geometry.rotations import Array, exp_rotation, transpose
+from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from keypose.tracker.solver.robust import Cauchy
+
+
+@dataclass(frozen=True)
+class Bone:
+    """Two joints whose distance stays.  ends: their numbers among `JOINTS`.  length: the number of
+    the length among those that are asked for, which left and right share."""
+
+    ends: tuple[int, int]
+    length: int
+
+
+LENGTHS: Final = (
+    *(("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle")),
+    *(("shoulder", "shoulder"), ("hip", "hip"), ("shoulder", "hip")),
+)
+"""The lengths of a body, each between two kinds of joints: those of limbs first."""
+LIMBS: Final = 4
+SPREAD_M: Final = np.array([0.02, 0.02, 0.02, 0.02, 0.03, 0.02, 0.05])
+"""By how much joints lie nearer or farther than their bone is long, as a detector sees its ends, in
+a standard deviation: shoulders are shrugged, and a trunk bends."""
+SIZE_SHARE: Final = 0.06
+UNKNOWN_SHARE: Final = 0.5
+"""Standard deviation of a length, as a share of what the body has, and where it has none."""
+
+
+def _bones() -> Iterator[Bone]:
+    for number, (a, b) in enumerate(LENGTHS):
+        if a == b:
+            yield Bone((JOINTS.index(f"left_{a}"), JOINTS.index(f"right_{a}")), number)
+            continue
+        for side in ("left", "right"):
+            yield Bone((JOINTS.index(f"{side}_{a}"), JOINTS.index(f"{side}_{b}")), number)
+
+
+BONES: Final = tuple(_bones())
+ENDS: Final = np.array([bone.ends for bone in BONES])
+OF_BONE: Final = np.array([bone.length for bone in BONES])
+FOCAL_SHARE = 0.10
+"""Standard deviation of a lens that is a guess, as a share of its focal length."""
+KERNEL = Cauchy()
+"""Of distances and lengths, in standard deviations."""
+LEAST_DEPTH_M = 0.1
+"""Of a joint that is seen: nearer to a camera there is nobody."""
+ADJUSTING = Criteria(
+    most_steps=60,
+    gain=1e-6,
+    damping=Damping(first=1e-4, least=1e-9, most=1e9),
+)
+USUAL_M: Final = np.array([0.29, 0.25, 0.42, 0.41, 0.34, 0.22, 0.5])
+"""Lengths of a grown person, where the body has none."""
+FREE_M = 30.0
+"""Standard deviation of a joint before anything is seen: what one film alone sees has a depth."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyBundle:
+    """V cameras, and J joints of a body at F moments.
+
+    Ts (V, 4, 4): camera from world; the first camera stays where it is.
+    log_focal (V,): of the focal length, as a multiple of the one the sightings were made with.
+    joints (F, J, 3): in the world, metres.  lengths_m (L,): of `LENGTHS`.
+    """
+
+    Ts: Array
+    log_focal: Array
+    joints: Array
+    lengths_m: Array
+
+
+@dataclass(frozen=True, eq=False)
+class BundleData:
+    """What a bundle is compared with.
+
+    xy (V, F, J, 2): where joints are seen.  scale (V, F, J): 1/σ, 0 where they are not.
+    lengths_m (L,): of `LENGTHS` as the body has them, NaN where it has not.  free_focal (V,):
+        whose lens is a guess.
+    """
+
+    xy: Array
+    scale: Array
+    lengths_m: Array
+    free_focal: tuple[bool, ...]
+
+    @classmethod
+    def of(
+        cls, films: Sequence[Sightings], lengths_m: Array, free_focal: Sequence[bool]
+    ) -> BundleData:
+        """Films at the same moments."""
+        xy = np.nan_to_num(np.stack([film.xy for film in films]))
+        return cls(xy, np.stack([film.scale for film in films]), lengths_m, tuple(free_focal))
+
+    @property
+    def lenses(self) -> list[int]:
+        """The views whose focal length is free."""
+        return [view for view, free in enumerate(self.free_focal) if free]
+
+    @property
+    def width(self) -> int:
+        """Unknowns besides the joints: cameras, lenses, lengths."""
+        return 6 * (len(self.xy) - 1) + len(self.lenses) + len(LENGTHS)
+
+    @property
+    def first_length(self) -> int:
+        """The number of the first length among these."""
+        return self.width - len(LENGTHS)
+
+    @property
+    def length_shares(self) -> Array:
+        """(L,) standard deviations of the lengths' logarithms."""
+        return np.where(np.isfinite(self.lengths_m), SIZE_SHARE, UNKNOWN_SHARE)
+
+
+@dataclass(frozen=True, eq=False)
+class Adjusted:
+    """Where the adjustment ended.
+
+    cost: half the sum of squares, a moment.  covariance (6, 6) of each camera but the first: turned
+        and shifted in its own frame, radians and metres, by what the residuals say of themselves.
+    """
+
+    bundle: BodyBundle
+    cost: float
+    covariances: Array
+
+
+def adjusted(data: BundleData, start: BodyBundle) -> Adjusted:
+    """The bundle that explains best what is seen, from a start near by; its cost is infinite where
+    that cannot be."""
+    solution = least_squares(_Adjustment(data), start, ADJUSTING)
+    count = len(start.Ts) - 1
+    covariances = np.full((count, 6, 6), np.nan)
+    if np.isfinite(solution.cost):
+        whole = solution.here.equations.covariance
+        covariances = np.stack([whole[6 * v : 6 * v + 6, 6 * v : 6 * v + 6] for v in range(count)])
+    return Adjusted(solution.state, float(solution.cost) / len(start.joints), covariances)
+
+
+@dataclass(frozen=True, eq=False)
+class _Equations:
+    """Normal equations: C (n, n), h (n,) of cameras and lenses, A (F, D, D), g (F, D) of the
+    joints of each moment, B (F, D, n) between these."""
+
+    C: Array
+    h: Array
+    A: Array
+    g: Array
+    B: Array
+
+    def step(self, damping: float) -> Array | None:
+        """The damped step (n + F·D,): cameras and lenses, then the joints."""
+        A = self.A + damping * np.einsum("fii->fi", self.A)[:, :, None] * np.eye(self.A.shape[1])
+        try:
+            solved = np.linalg.solve(A, np.concatenate([self.B, self.g[..., None]], axis=-1))
+            of_cameras, own = solved[..., :-1], solved[..., -1]
+            C = self.C + damping * np.diag(np.diag(self.C))
+            C = C - np.einsum("fda,fdb->ab", self.B, of_cameras)
+            h = self.h - np.einsum("fda,fd->a", self.B, own)
+            step = -np.linalg.solve(C, h)
+        except np.linalg.LinAlgError:
+            return None
+        return np.concatenate([step, -(own + of_cameras @ step).ravel()])
+
+    @property
+    def covariance(self) -> Array:
+        """(n, n) of cameras and lenses, the joints left free."""
+        between = np.linalg.solve(self.A, self.B)
+        return np.asarray(np.linalg.pinv(self.C - np.einsum("fda,fdb->ab", self.B, between)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A bundle on the way, and its cost and equations there."""
+
+    data: BundleData
+    bundle: BodyBundle
+
+    @cached_property
+    def _seen(self) -> tuple[Array, Array]:
+        """Joints (V, F, J, 3) in the cameras' frames, and where they are seen (V, F, J, 2)."""
+        Ts, joints = self.bundle.Ts, self.bundle.joints
+        p = np.einsum("vab,fjb->vfja", Ts[:, :3, :3], joints) + Ts[:, None, None, :3, 3]
+        focal = np.exp(self.bundle.log_focal)[:, None, None, None]
+        return p, focal * p[..., :2] / np.maximum(p[..., 2:], LEAST_DEPTH_M)
+
+    @cached_property
+    def _residuals(self) -> tuple[Array, Array]:
+        """(V, F, J, 2) in standard deviations, and their lengths (V, F, J)."""
+        r = (self._seen[1] - self.data.xy) * self.data.scale[..., None]
+        return r, np.linalg.norm(r, axis=-1)
+
+    @cached_property
+    def _bones(self) -> tuple[Array, Array]:
+        """The directions (F, B, 3) of the bones, and how much too long (F, B) they are, standard
+        deviations."""
+        joints, lengths = self.bundle.joints, self.bundle.lengths_m
+        along = joints[:, ENDS[:, 0]] - joints[:, ENDS[:, 1]]
+        length = np.maximum(np.linalg.norm(along, axis=-1), 1e-6)
+        return along / length[..., None], (length - lengths[OF_BONE]) / SPREAD_M[OF_BONE]
+
+    @cached_property
+    def _size(self) -> Array:
+        """(L,) by how much lengths are larger than the body's, standard deviations."""
+        usual_m = np.where(np.isfinite(self.data.lengths_m), self.data.lengths_m, USUAL_M)
+        return np.log(self.bundle.lengths_m / usual_m) / self.data.length_shares
+
+    @cached_property
+    def cost(self) -> float:
+        p, (_, away), (_, off) = self._seen[0], self._residuals, self._bones
+        if (p[..., 2] < LEAST_DEPTH_M)[self.data.scale > 0].any():
+            return np.inf
+        lenses = (self.bundle.log_focal[self.data.lenses] / FOCAL_SHARE) ** 2
+        priors = lenses.sum() + (self._size**2).sum()
+        total = KERNEL.loss(away).sum() + KERNEL.loss(np.abs(off)).sum() + priors
+        return 0.5 * float(total)
+
+    @cached_property
+    def equations(self) -> _Equations:
+        data, bundle, n = self.data, self.bundle, self.data.width
+        V, (F, J) = len(bundle.Ts), bundle.joints.shape[:2]
+        A = np.tile(np.eye(3 * J) / FREE_M**2, (F, 1, 1))
+        g, B = np.zeros((F, 3 * J)), np.zeros((F, 3 * J, n))
+        C, h = np.eye(n) * 1e-9, np.zeros(n)
+        p, uv = self._seen
+        r, away = self._residuals
+        weight = KERNEL.weight(away) * (data.scale > 0)
+        by_joint, by_camera, by_focal = _jacobians(bundle, p, uv, data.scale)
+        joint = np.arange(J)
+        blocks = np.zeros((F, J, 3, J, 3))
+        for v in range(V):
+            JX, w = by_joint[v], weight[v]
+            wJX = JX * w[..., None, None]
+            blocks[:, joint, :, joint, :] += np.einsum("fjka,fjkb->jfab", wJX, JX)
+            g += np.einsum("fjka,fjk->fja", wJX, r[v]).reshape(F, -1)
+            columns, K = _columns(v, V, data.lenses, by_camera[v], by_focal[v])
+            if not len(columns):
+                continue
+            wK = K * w[..., None, None]
+            C[np.ix_(columns, columns)] += np.einsum("fjka,fjkb->ab", wK, K)
+            h[columns] += np.einsum("fjka,fjk->a", wK, r[v])
+            B[:, :, columns] += np.einsum("fjka,fjkb->fjab", wJX, K).reshape(F, 3 * J, -1)
+        A += blocks.reshape(F, 3 * J, 3 * J)
+        self._add_bones(C, h, A, g, B)
+        for k, view in enumerate(data.lenses):
+            at = 6 * (V - 1) + k
+            C[at, at] += FOCAL_SHARE**-2
+            h[at] += bundle.log_focal[view] / FOCAL_SHARE**2
+        return _Equations(C, h, A, g, B)
+
+    def _add_bones(self, C: Array, h: Array, A: Array, g: Array, B: Array) -> None:
+        """What bones say of the joints of each moment, and of their lengths; of these by the
+        logarithm."""
+        along, off = self._bones
+        weight = KERNEL.weight(np.abs(off))
+        for k, bone in enumerate(BONES):
+            i, j = (slice(3 * end, 3 * end + 3) for end in bone.ends)
+            sigma, at = SPREAD_M[bone.length], self.data.first_length + bone.length
+            w, unit = weight[:, k], along[:, k] / sigma
+            block = w[:, None, None] * unit[:, :, None] * unit[:, None, :]
+            A[:, i, i] += block
+            A[:, j, j] += block
+            A[:, i, j] -= block
+            A[:, j, i] -= block
+            pull = (w * off[:, k])[:, None] * unit
+            g[:, i] += pull
+            g[:, j] -= pull
+            by_length = -self.bundle.lengths_m[bone.length] / sigma
+            B[:, i, at] += by_length * w[:, None] * unit
+            B[:, j, at] -= by_length * w[:, None] * unit
+            C[at, at] += by_length**2 * w.sum()
+            h[at] += by_length * (w * off[:, k]).sum()
+        shares = self.data.length_shares
+        own = self.data.first_length + np.arange(len(LENGTHS))
+        C[own, own] += shares**-2
+        h[own] += self._size / shares
+
+    def step(self, damping: float) -> Array | None:
+        return self.equations.step(damping)
+
+
+def _jacobians(bundle: BodyBundle, p: Array, uv: Array, scale: Array) -> tuple[Array, Array, Array]:
+    """How residuals move with joints (V, F, J, 2, 3), with their camera's turn and shift in its own
+    frame (V, F, J, 2, 6), and with the logarithm of its focal length (V, F, J, 2)."""
+    focal = np.exp(bundle.log_focal)[:, None, None]
+    z = np.maximum(p[..., 2], LEAST_DEPTH_M)
+    P = np.zeros((*p.shape[:-1], 2, 3))
+    P[..., 0, 0] = P[..., 1, 1] = focal / z
+    P[..., :, 2] = -uv / z[..., None]
+    P *= scale[..., None, None]
+    by_joint = P @ bundle.Ts[:, None, None, :3, :3]
+    turned = np.cross(p[..., None, :], P)  # P (w × p) = w · (p × P)
+    return by_joint, np.concatenate([turned, P], axis=-1), uv * scale[..., None]
+
+
+def _columns(
+    view: int, views: int, lenses: Sequence[int], by_camera: Array, by_focal: Array
+) -> tuple[NDArray[np.int64], Array]:
+    """The unknowns that a view's residuals depend on, and their Jacobian (F, J, 2, n)."""
+    columns: list[int] = []
+    parts: list[Array] = []
+    if view > 0:
+        columns += range(6 * (view - 1), 6 * view)
+        parts.append(by_camera)
+    if view in lenses:
+        columns.append(6 * (views - 1) + list(lenses).index(view))
+        parts.append(by_focal[..., None])
+    J = np.concatenate(parts, axis=-1) if parts else np.zeros((*by_focal.shape, 0))
+    return np.array(columns, np.int64), J
+
+
+@dataclass(frozen=True, eq=False)
+class _Adjustment(Problem[BodyBundle, _Point]):
+    """All cameras but the first, lenses that are a guess, and all joints."""
+
+    data: BundleData
+
+    def at(self, state: BodyBundle, count: int) -> _Point:
+        return _Point(self.data, state)
+
+    def moved(self, state: BodyBundle, step: Array) -> BodyBundle:
+        views, lenses = len(state.Ts), self.data.lenses
+        ends = [6 * (views - 1), self.data.first_length, self.data.width]
+        cameras, focal, sizes, joints = np.split(step, ends)
+        Ts, log_focal = state.Ts.copy(), state.log_focal.copy()
+        steps = cameras.reshape(-1, 6)
+        R = exp_rotation(steps[:, :3])
+        Ts[1:, :3, :3] = R @ state.Ts[1:, :3, :3]
+        Ts[1:, :3, 3] = (R @ state.Ts[1:, :3, 3:])[..., 0] + steps[:, 3:]
+        log_focal[lenses] += focal
+        return BodyBundle(
+            Ts,
+            log_focal,
+            state.joints + joints.reshape(-1, len(JOINTS), 3),
+            state.lengths_m * np.exp(sizes),
+        )
+
+
+def triangulated(data: BundleData, Ts: Array) -> Array:
+    """Joints (F, J, 3) in the world, each where the rays of all views meet best; NaN where fewer
+    than two see it.  Linear, weighed once by the distances that come out."""
+    weight = data.scale**2
+    A, b = _meeting(data.xy, Ts, weight)
+    joints = _solved(A, b)
+    z = np.einsum("va,fja->vfj", Ts[:, 2, :3], joints) + Ts[:, 2, 3][:, None, None]
+    A, b = _meeting(data.xy, Ts, weight / np.maximum(z, LEAST_DEPTH_M) ** 2)
+    joints = _solved(A, b)
+    return np.where(((data.scale > 0).sum(axis=0) > 1)[..., None], joints, np.nan)
+
+
+def _meeting(xy: Array, Ts: Array, weight: Array) -> tuple[Array, Array]:
+    """Equations A (F, J, 3, 3), b (F, J, 3) of points that lie on rays."""
+    R, t = Ts[:, :3, :3], Ts[:, :3, 3]
+    rows = R[:, None, None, :2] - xy[..., None] * R[:, None, None, 2:]
+    right = xy * t[:, None, None, 2:] - t[:, None, None, :2]
+    A = np.einsum("vfj,vfjka,vfjkb->fjab", weight, rows, rows)
+    return A, np.einsum("vfj,vfjka,vfjk->fja", weight, rows, right)
+
+
+def _solved(A: Array, b: Array) -> Array:
+    scale = np.einsum("...ii->...", A)[..., None, None] + 1.0
+    return np.asarray(np.linalg.solve(A + 1e-12 * scale * np.eye(3), b[..., None])[..., 0])
+
+
+def relative(T_camera_world: Array, T_first_world: Array) -> Array:
+    """T_camera_first (4, 4)."""
+    R = T_camera_world[:3, :3] @ transpose(T_first_world[:3, :3])
+    T = np.eye(4)
+    T[:3, :3] = R
+    T[:3, 3] = T_camera_world[:3, 3] - R @ T_first_world[:3, 3]
+    return T

@@ -1,0 +1,87 @@
+"""What films saw of one body at the same moments, as rays of their cameras."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.film_clock import FilmClock, sampled
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+
+SIGMA_SHARE = 0.01
+"""Standard deviation of a joint in the picture, of the body's height: a detector's own place of a
+joint is in it, which another view does not share."""
+HEIGHT_M = 1.7
+"""Of the network's person, which its metres are of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """The joints of one body as a film saw them at N moments, `JOINTS` in their order.
+
+    xy (N, J, 2): as x/z and y/z of the film's camera without distortion, NaN where not seen.
+    visibility (N, J): 0 where not seen.
+    sigma: standard deviation of an xy of visibility 1.
+    p_hips (N, J, 3): metres in the camera's axes, the middle of the hips at 0; NaN where unknown.
+    """
+
+    xy: Array
+    visibility: Array
+    sigma: float
+    p_hips: Array
+
+    @classmethod
+    def of(cls, keypoints: Keypoints, camera: Camera, frame_count: int) -> Sightings:
+        """What a film's keypoints show at each of its frames."""
+        over = keypoints.over(0, frame_count - 1)
+        index = [over.names.index(name) for name in JOINTS]
+        xy = camera.back_project(over.uv[:, index], 1.0)[..., :2]
+        visibility = np.where(np.isfinite(xy).all(axis=-1), over.visibility[:, index], 0.0)
+        p_hips = np.full((*xy.shape[:2], 3), np.nan)
+        if over.p_hips is not None:
+            p_hips = over.p_hips[:, index]
+        return cls(xy, visibility, SIGMA_SHARE * _height(xy, p_hips, visibility), p_hips)
+
+    def __len__(self) -> int:
+        return len(self.xy)
+
+    def at(self, clock: FilmClock, moments: ArrayLike) -> Sightings:
+        """The same at frames of the first film."""
+        frames = clock.frames_at(moments)
+        xy, visibility = sampled(self.xy, frames), sampled(self.visibility, frames)
+        is_seen = np.isfinite(xy).all(axis=-1) & np.isfinite(visibility)
+        p_hips = sampled(self.p_hips, frames)
+        return replace(self, xy=xy, visibility=np.where(is_seen, visibility, 0.0), p_hips=p_hips)
+
+    @property
+    def scale(self) -> Array:
+        """(N, J) 1/σ of an xy, 0 where not seen: what is half seen is half as sure."""
+        return self.visibility / self.sigma
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """(N,) whether enough of the body is seen to tell how it stands."""
+        return np.asarray((self.visibility > SURE).sum(axis=-1) >= FEWEST_SEEN)
+
+
+SURE = 0.5
+FEWEST_SEEN = 8
+"""Visibility of a joint that is sure, and of the twelve joints so many."""
+
+
+def _height(xy: Array, p_hips: Array, visibility: Array) -> float:
+    """The usual height of the body as x/z: by how many times the network's metres are as large."""
+    ratios = []
+    for rays, p, sure in zip(xy, p_hips, visibility > SURE, strict=True):
+        if sure.sum() < FEWEST_SEEN or not np.isfinite(p[sure]).all():
+            continue
+        away, apart = rays[sure] - rays[sure].mean(axis=0), p[sure, :2] - p[sure, :2].mean(axis=0)
+        ratios.append(np.sqrt((away**2).sum() / (apart**2).sum()))
+    if ratios:
+        return HEIGHT_M * float(np.median(ratios))
+    extents = np.ptp(np.where(visibility[..., None] > SURE, xy, np.nan), axis=1)
+    return float(np.nanmedian(extents.max(axis=-1))) if np.isfinite(extents).any() else 1.0

@@ -1,0 +1,66 @@
+"""What another film shows of a segment, whose frames and whose camera are the first film's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.solver.frames import TermIn
+from keypose.tracker.solver.in_film import FilmFrames, InFilm
+from keypose.tracker.solver.terms import Link, Term
+from keypose.tracker.tracking.cues.reweighting import smoothed_keypoints
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from keypose.tracker.solver.robust import Kernel
+    from keypose.tracker.tracking.cues.anchors import Anchors
+    from keypose.tracker.tracking.scene import Scene
+    from keypose.tracker.video.pyramid import Clip
+
+
+@dataclass(frozen=True, eq=False)
+class OtherFilm:
+    """A film besides the first.
+
+    scene: of the skeleton with free joints, before the film's camera.
+    frames, clip: its own frames within the segment, and their pictures.
+    anchors: what its keypoints say at the segment's N frames; None where they say nothing.
+    Ts_film_first (N, 4, 4): from the first camera's frame to this one's, at each of these.
+    """
+
+    scene: Scene
+    frames: FilmFrames
+    clip: Clip
+    anchors: Anchors | None
+    Ts_film_first: Array
+
+    def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
+        """What the film's keypoints say of the poses of some frames, or of one."""
+        if self.anchors is None:
+            return ()
+        terms = self.anchors.terms(self.scene.camera, kernel, frames)
+        return tuple(TermIn(term, self.Ts_film_first[frames]) for term in terms)
+
+    def link(self, steps: Sequence[Link]) -> Link:
+        """What the steps between the film's own frames are compared with."""
+        return InFilm(self.scene.skeleton, self.frames, links=steps)
+
+    def inner(self, term: Term) -> Link:
+        """What poses at its frames but the first and the last are compared with."""
+        return InFilm(self.scene.skeleton, self.frames.inner, terms=(term,))
+
+    def seen(self, motion: Trajectory) -> Trajectory:
+        """A motion of the segment as the film saw it, at its own frames."""
+        return self.frames.seen(motion)
+
+    def steadied(self, present: Trajectory, weight: float) -> OtherFilm:
+        """The same with smooth keypoints, their standard deviations divided by the weight."""
+        if self.anchors is None:
+            return self
+        here = present.carried(self.Ts_film_first)
+        return replace(
+            self, anchors=smoothed_keypoints(self.anchors, self.scene, here).weighted(weight)
+        )
