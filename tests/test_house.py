@@ -20,7 +20,7 @@ MOST = {
     "fmt: " + "skip": 11,
     "script lines over 120": 55,
     "calls that unpack what was packed": 18,
-    "words of READMEs": 8700,
+    "words of READMEs": 8360,
 }
 """Places, as `python -m bench.house` counts them. Lower the number where you lower the count."""
 LEAST_TESTS = 0.6
