@@ -150,7 +150,7 @@ def track_anchored(
             correction = Correction(free, segment, anchors, drift_scale=scale, films=tuple(films))
             ends.append(_ended(correction, motion, measured, index))
     best = min(ends, key=lambda ended: ended.cost)
-    return _outcome(scene, free, begun, tried, ends, best)
+    return _outcome(scene, free, begun, tried, ends, best, films)
 
 
 def _is_misled(followed: Measured, ends: Sequence[Candidate]) -> bool:
@@ -327,8 +327,13 @@ def _outcome(
     tried: list[Pass],
     ends: list[Candidate],
     best: Candidate,
+    films: Sequence[OtherFilm],
 ) -> Outcome:
     chains = begun.chains
+    joints = joint_evidence(free, ends, best)
+    for film in films:
+        sight = film.sight(best.trajectory)
+        joints = joints if sight is None else joints.with_sight(sight)
     zeros = np.zeros((len(best.trajectory), len(scene.marks[1])))
     return Outcome(
         passes=tuple(tried),
@@ -339,7 +344,7 @@ def _outcome(
         diverged=False,
         gap=0.0,
         notes=begun.notes,
-        joints=joint_evidence(free, ends, best),
+        joints=joints,
     )
 
 

@@ -17,7 +17,7 @@ predicted one in every band from 3 to 40 px on a person 400 px tall; on a single
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -104,6 +104,21 @@ UNKNOWN = 0.05
 
 
 @dataclass(frozen=True, eq=False)
+class Sight:
+    """What a film's keypoints say of K joints in N frames.
+
+    parts (K,), distance, visibility (N, K): as of `JointEvidence`.  depth_sigma_m (N, K): standard
+    deviation of how far a joint is along the first film's view, infinite where this film does not
+    see it, or looks the same way.
+    """
+
+    parts: NDArray[np.int64]
+    distance: Array
+    visibility: Array
+    depth_sigma_m: Array
+
+
+@dataclass(frozen=True, eq=False)
 class JointEvidence:
     """K joints in the N frames of a segment; distances are shares of the body's height.
 
@@ -128,6 +143,28 @@ class JointEvidence:
     depth_sigma_m: Array | None = None
     foot_distance: Array | None = None
     foot_parts: NDArray[np.int64] | None = None
+
+    def with_sight(self, sight: Sight) -> JointEvidence:
+        """The same with what another film shows of the joints: one that is hidden in one film is
+        held by the other, and what lies along the view of one lies across that of the other."""
+        if not np.array_equal(sight.parts, self.parts):
+            return self
+        own, beside = self.visibility, sight.visibility
+        distances = np.stack([self.distance, sight.distance])
+        weights = np.stack([own, beside]) ** 2 * np.isfinite(distances)
+        total = np.maximum(weights.sum(axis=0), np.finfo(np.float64).tiny)
+        squares = (weights * np.nan_to_num(distances) ** 2).sum(axis=0) / total
+        distance = np.where(weights.any(axis=0), np.sqrt(squares), np.nan)
+        lifted = np.full(own.shape, np.nan) if self.depth_sigma_m is None else self.depth_sigma_m
+        information = np.nan_to_num(lifted**-2.0) + sight.depth_sigma_m**-2.0
+        with np.errstate(divide="ignore"):
+            depth_sigma_m = np.where(information > 0, information**-0.5, np.nan)
+        return replace(
+            self,
+            distance=distance,
+            visibility=np.maximum(own, beside),
+            depth_sigma_m=depth_sigma_m,
+        )
 
     @property
     def error(self) -> Array:

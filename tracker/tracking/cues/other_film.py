@@ -5,11 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.frames import TermIn
 from keypose.tracker.solver.in_film import FilmFrames, InFilm
+from keypose.tracker.solver.projection import image_points
+from keypose.tracker.solver.sigmas import ON_PART_M
 from keypose.tracker.solver.terms import Link, Term
+from keypose.tracker.tracking.cues.joint_evidence import Sight
 from keypose.tracker.tracking.cues.reweighting import smoothed_keypoints
 
 if TYPE_CHECKING:
@@ -55,6 +60,27 @@ class OtherFilm:
     def seen(self, motion: Trajectory) -> Trajectory:
         """A motion of the segment as the film saw it, at its own frames."""
         return self.frames.seen(motion)
+
+    def sight(self, motion: Trajectory) -> Sight | None:
+        """What the film's keypoints say of a motion of the segment; None where it has none."""
+        if self.anchors is None:
+            return None
+        anchors, camera = self.anchors, self.scene.camera
+        here = motion.carried(self.Ts_film_first)
+        p = anchors.where(here.transforms(self.scene.skeleton))
+        away = np.linalg.norm(image_points(camera, p) - anchors.uv, axis=-1) / anchors.height_px
+        from_first = p - self.Ts_film_first[:, None, :3, 3]
+        aside = np.linalg.norm(np.cross(p, from_first), axis=-1)
+        sine = aside / (np.linalg.norm(p, axis=-1) * np.linalg.norm(from_first, axis=-1))
+        with np.errstate(divide="ignore"):
+            across_m = p[..., 2] / camera.fy / anchors.scale
+            depth_sigma_m = np.hypot(across_m, ON_PART_M) / sine
+        return Sight(
+            anchors.parts,
+            np.where(anchors.known, away, np.nan),
+            np.where(anchors.known, anchors.visibility, 0.0),
+            depth_sigma_m,
+        )
 
     def steadied(self, present: Trajectory, weight: float) -> OtherFilm:
         """The same with smooth keypoints, their standard deviations divided by the weight."""
