@@ -276,4 +276,9 @@ def with_paths_from(session: Session, session_path: Path, folder: Path) -> Sessi
         place = session_path.absolute().parent / path
         return str(place) if Path(path).is_absolute() else path_from(place, folder)
 
-    return session.changed(session.evidence.with_paths(from_there))
+    there = session.changed(session.evidence.with_paths(from_there))
+    others = (
+        view.model_copy(update=session.alone(view.id).evidence.with_paths(from_there))
+        for view in session.views[1:]
+    )
+    return there.model_copy(update={"views": (there.view, *others)})

@@ -218,13 +218,21 @@ def track_session(
     cancelled: Callable[[], bool] = never,
     first_motion: Trajectory | None = None,
     keypoints: Keypoints | None = None,
+    films: Sequence[FilmBeside] = (),
 ) -> Iterator[Progress]:
     """Track a session's segments with its own settings; see `pool.run` for the events.
 
     Each worker may hold one segment's pictures. first_motion, keypoints: what `of_session` of these
-    modules reads beside the session's file. A session about surfaces is fitted to them.
+    modules reads beside the session's file. films: the other films of the session, as
+    `films_beside` makes them ready: SessionError where they are not those that it has. A session
+    about surfaces is fitted to them.
     """
-    tracker = _TRACKERS.of(session)(session, video, first_motion, keypoints)
+    if len(films) != len(session.views) - 1:
+        raise SessionError(
+            f"The session has {len(session.views)} films, and {len(films) + 1} are given: open the "
+            "others with open_other_films and films_beside."
+        )
+    tracker = _TRACKERS.of(session)(session, video, first_motion, keypoints, films)
     keys = list(segment_keys(session).items())
     chosen = range(len(keys)) if segments is None else sorted(set(segments))
     tasks = [Task(index, keys[index][0], session.settings, keys[index][1]) for index in chosen]
@@ -257,13 +265,21 @@ def track_ahead(
 
 
 def _film_tracker(
-    session: Session, video: Video, first_motion: Trajectory | None, keypoints: Keypoints | None
+    session: Session,
+    video: Video,
+    first_motion: Trajectory | None,
+    keypoints: Keypoints | None,
+    films: Sequence[FilmBeside],
 ) -> SegmentTracker:
-    return tracker_of(session, video, ONCE, first_motion, keypoints=keypoints)
+    return tracker_of(session, video, ONCE, first_motion, keypoints=keypoints, films=films)
 
 
 def _surface_fitter(
-    session: Session, video: Video, _first_motion: Trajectory | None, _keypoints: Keypoints | None
+    session: Session,
+    video: Video,
+    _first_motion: Trajectory | None,
+    _keypoints: Keypoints | None,
+    _films: Sequence[FilmBeside],
 ) -> SegmentTracker:
     return fitter_of(session, video)
 

@@ -49,9 +49,10 @@ from keypose.tracker.storage.mask_arrays import MASK_ARRAYS, arrays_of_masks, ma
 
 
 def carry_beside(session: Session, folder: Path, target: Path) -> None:
-    """Copy the session's imported motion and its keypoints to another folder; SessionError when
-    one cannot be written there."""
-    for reference in (session.subject.first_motion, session.view.keypoints):
+    """Copy the session's imported motion and the keypoints of its films to another folder;
+    SessionError when one cannot be written there."""
+    of_films = (view.keypoints for view in session.views)
+    for reference in (session.subject.first_motion, *of_films):
         if reference is not None:
             _carry(folder / reference.file, target / reference.file)
 

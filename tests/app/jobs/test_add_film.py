@@ -13,17 +13,21 @@ import pytest
 
 from keypose.app.cli.main import main
 from keypose.app.document.new import new_session
+from keypose.app.document.open import copy_session
 from keypose.app.jobs import add_film
+from keypose.tracker import TrackFinished, keypoints_of_session, open_video_of, track_session
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
+from keypose.tracker.errors import SessionError
 from keypose.tracker.films.cameras import joints_of_pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler, transform
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.operations.films import close_all, films_beside, open_other_films
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.fingerprints import segment_keys
@@ -232,6 +236,51 @@ def test_another_clock_of_the_film_makes_what_was_tracked_outdated(
     moved = view.model_copy(update={"clock": later})
     keys.append(segment_keys(session.model_copy(update={"views": (session.view, moved)})))
     assert len({tuple(each.values()) for each in keys}) == 3
+
+
+def test_a_copy_in_another_folder_has_both_films(tmp_path: Path, side: Path) -> None:
+    path = begun(tmp_path)
+    added(path, side)
+    copy = copy_session(path, tmp_path / "elsewhere")
+    session = load_session(copy)
+    videos = open_other_films(session, copy)
+    beside = films_beside(session, videos, copy.parent)
+    close_all(videos)
+    assert [view.video.frame_count for view in session.views[1:]] == [len(JOINTS_M) - 8]
+    assert beside[0].keypoints is not None
+
+
+def test_from_python_too_a_session_is_tracked_by_all_its_films(tmp_path: Path, side: Path) -> None:
+    path = begun(tmp_path)
+    session = added(path, side)
+    keypoints = keypoints_of_session(session, tmp_path)
+    videos = open_other_films(session, path)
+    with open_video_of(session, path) as video:
+        with pytest.raises(SessionError, match="The session has 2 films, and 1 are given"):
+            list(track_session(session, video, keypoints=keypoints))
+        films = films_beside(session, videos, tmp_path)
+        *_, last = track_session(session, video, keypoints=keypoints, films=films)
+    close_all(videos)
+    assert isinstance(last, TrackFinished)
+    main(["track", str(path)])
+    fitting = load_results(load_session(path), path).fitting(session)
+    tracked = fitting[KEYS].as_tracked.trajectory
+    np.testing.assert_array_equal(
+        last.result.segments[0].trajectory.ps_camera_root, tracked.ps_camera_root
+    )
+
+
+def test_a_film_that_is_gone_is_named_in_one_sentence(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    added(path, side)
+    side.unlink()
+    capsys.readouterr()
+    assert main(["track", str(path)]) == 2
+    said = capsys.readouterr().err
+    assert "side.mp4" in said
+    assert "is missing" in said
 
 
 def test_a_film_of_another_motion_is_refused_in_one_sentence(

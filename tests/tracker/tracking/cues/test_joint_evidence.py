@@ -18,6 +18,7 @@ from keypose.tracker.tracking.cues.joint_evidence import (
     POSED_S,
     USUAL_M,
     JointEvidence,
+    Sight,
 )
 
 
@@ -194,3 +195,62 @@ def test_a_foot_that_is_seen_elsewhere_for_a_while_is_off_by_what_keypoints_are_
     assert once.expected_foot_error(6)[:, 5].max() == 0.0, "an outlier of one frame"
     assert np.isnan(with_feet([None] * 31).expected_foot_error(6)).all()
     assert np.isnan(_evidence().expected_foot_error(6)).all()
+
+
+SIGHT = np.array([10])
+"""The part that carries the one joint of these cases."""
+
+
+def one_joint(distance: float, visibility: float, depth_sigma_m: float = np.nan) -> JointEvidence:
+    """A joint in ten frames."""
+    shape = (10, 1)
+    return JointEvidence(
+        SIGHT,
+        np.full(shape, distance),
+        np.full(shape, visibility),
+        np.full(shape, np.nan),
+        np.zeros(shape),
+        200.0,
+        depth_sigma_m=np.full(shape, depth_sigma_m),
+    )
+
+
+def sight(distance: float, visibility: float, depth_sigma_m: float) -> Sight:
+    """The same joint in another film."""
+    shape = (10, 1)
+    return Sight(
+        SIGHT,
+        np.full(shape, distance),
+        np.full(shape, visibility),
+        np.full(shape, depth_sigma_m),
+    )
+
+
+@pytest.mark.parametrize(
+    ("own", "beside", "distance", "visibility", "depth_sigma_m"),
+    [
+        ((np.nan, 0.0, np.nan), (0.01, 0.9, 0.03), 0.01, 0.9, 0.03),
+        ((0.01, 0.9, 0.1), (np.nan, 0.0, np.inf), 0.01, 0.9, 0.1),
+        ((0.01, 0.9, 0.1), (0.01, 0.9, 0.1), 0.01, 0.9, 0.1 / np.sqrt(2)),
+        ((0.01, 0.1, np.nan), (0.08, 1.0, 0.02), 0.0796, 1.0, 0.02),
+    ],
+    ids=["hidden in the first", "hidden in the other", "seen by both", "they disagree"],
+)
+def test_a_joint_that_one_film_hides_is_judged_by_the_other(
+    own: tuple[float, float, float],
+    beside: tuple[float, float, float],
+    distance: float,
+    visibility: float,
+    depth_sigma_m: float,
+) -> None:
+    both = one_joint(*own).with_sight(sight(*beside))
+    assert both.depth_sigma_m is not None
+    np.testing.assert_allclose(both.distance, distance, atol=1e-4)
+    np.testing.assert_allclose(both.visibility, visibility)
+    np.testing.assert_allclose(both.depth_sigma_m, depth_sigma_m, rtol=1e-9)
+
+
+def test_a_joint_that_no_film_knows_the_depth_of_stays_unknown() -> None:
+    both = one_joint(0.01, 0.9).with_sight(sight(0.01, 0.9, np.inf))
+    assert both.depth_sigma_m is not None
+    assert np.isnan(both.depth_sigma_m).all()
