@@ -29,6 +29,7 @@ STAGES: Mapping[Stage, str] = {
     "person": "looking for the person",
     "draft": "drafting",
     "camera": "finding the camera's motion",
+    "films": "laying the other film beside it",
     "track": "tracking",
     "stand": "standing on the floor",
     "export": "exporting",

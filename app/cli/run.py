@@ -24,6 +24,13 @@ def run(arguments: argparse.Namespace) -> int:
         raise SessionError(
             "--box is for one film: give the boxes of several in a table to `keypose batch`."
         )
+    if arguments.beside:
+        if len(films) > 1:
+            raise SessionError(
+                "--beside is for one film: give the other films of several in a table to "
+                "`keypose batch`."
+            )
+        films = [replace(films[0], beside=films_in(arguments.beside))]
     order = motion_order_of(arguments, but=options_of(FilmOrder))
     out = arguments.out.absolute()
     rows = placed(films, out)
@@ -43,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     asked = asked_of(arguments, "stand", "overwrite")
     asked["films"] = sorted(os.path.realpath(film.path) for film in films)
     asked["said"] = repr((*said.values(), order_of(TrackOrder, arguments)))
+    if arguments.beside:
+        asked["beside"] = sorted(os.path.realpath(film) for film in films[0].beside)
     return run_tasks(
         lambda journal: [task_of(row, journal) for row in rows],
         [row.name for row in rows],

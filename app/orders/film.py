@@ -105,14 +105,17 @@ class BesideOrder:
 
 @dataclass(frozen=True)
 class FilmToDraft:
-    """A film without a session, who is drafted in it and how it was taken. name: what its session
-    is called, where not as the film."""
+    """A film without a session, who is drafted in it and how it was taken.
+
+    name: what its session is called, where not as the film.  beside: films of the same motion.
+    """
 
     path: Path
     order: FilmOrder = field(default_factory=FilmOrder)
     network: DraftOrder = field(default_factory=DraftOrder)
     taken: FilmTaken = field(default_factory=FilmTaken)
     name: str | None = None
+    beside: tuple[Path, ...] = ()
 
 
 FILM_ORDERS: Final = {"order": FilmOrder, "network": DraftOrder, "taken": FilmTaken}

@@ -92,7 +92,7 @@ def solved(
         skeleton,
         problem.camera,
         in_world,
-        problem.in_world(problem.motion),
+        problem.motion_in_world,
         rate,
         stances=[*feet, *free],
         pinned=[True] * len(feet) + [False] * len(free),

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -161,6 +162,11 @@ class SpaceProblem:
     floor_m: float | None = None
     tilt_rad: float = 0.0
     path: CameraPath | None = None
+
+    @cached_property
+    def motion_in_world(self) -> Trajectory:
+        """The motion as it was tracked, in the world."""
+        return self.in_world(self.motion)
 
     def in_world(self, motion: Trajectory) -> Trajectory:
         """A motion of these frames in the world."""
@@ -398,7 +404,7 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
 
 def _evenly(problem: SpaceProblem, skeleton: Skeleton) -> Link:
     """What a pin changes of the motion comes evenly before it begins, and goes after it ends."""
-    motion, rate = problem.in_world(problem.motion), problem.frames_per_second
+    motion, rate = problem.motion_in_world, problem.frames_per_second
     places, near = near_pins(motion, problem.pins, round(FADE_S * rate))
     sigma = np.where(near, PIN_CHANGE_M_S2, np.inf)
     points = BodyPoints(skeleton, tuple((place,) for place in places))

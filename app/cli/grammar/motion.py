@@ -509,6 +509,14 @@ def add_run(commands: Subcommands) -> None:
         nargs="+",
         help="a video file, a folder of images, or a folder of video files",
     )
+    command.add_argument(
+        "--beside",
+        metavar="FILM",
+        type=file_name,
+        action="append",
+        help="another film of the same motion, tracked together with it, as `keypose add-film` "
+        "adds it; may be given again",
+    )
     add_film_orders(command)
     add_order(command, RunOrder)
     add_order(command, TrackOrder, but=options_of(DraftOrder))

@@ -27,6 +27,9 @@ FILM: Final = "film"
 """The column of the films."""
 NAME: Final = "name"
 """The column of what their sessions are called, where not as the films."""
+BESIDE: Final = "beside"
+SEPARATOR: Final = "|"
+"""The column of other films of the same motion, and what stands between several."""
 PLAIN_NAME: Final = re.compile(r"[^\x00-\x1f/\\:*?\"<>|.][^\x00-\x1f/\\:*?\"<>|]{0,99}")
 """What any system takes for the name of a folder."""
 DELIMITERS: Final = ",;\t"
@@ -117,9 +120,9 @@ def read_table(path: Path) -> list[FilmToDraft]:
     columns = [name.strip().lower().lstrip("-").replace("-", "_") for name in header]
     if FILM not in columns:
         raise FormatError(f"{path.name} has no column {FILM!r}: name the columns in its first row.")
-    unknown = [name for name in columns if name not in (FILM, NAME, *options)]
+    unknown = [name for name in columns if name not in (FILM, NAME, BESIDE, *options)]
     if unknown:
-        columns_read = ", ".join([FILM, NAME, *options])
+        columns_read = ", ".join([FILM, NAME, BESIDE, *options])
         raise FormatError(
             f"{path.name} has a column {unknown[0][:40]!r}; known are {columns_read}."
         )
@@ -172,7 +175,8 @@ def _film(table: Path, number: int, cells: Mapping[str, str]) -> FilmToDraft:
     name = cells[FILM].strip() if cells.get(FILM) else ""
     if not name:
         raise FormatError(f"{row}: the film is missing.")
-    path = (table.absolute().parent / Path(name).expanduser()).absolute()
+    path = _place(table, name)
+    beside = [cell.strip() for cell in cells.get(BESIDE, "").split(SEPARATOR)]
     said: dict[str, dict[str, Any]] = {order: {} for order in FILM_ORDERS}
     for column, (order, field, option) in _columns().items():
         if not (text := cells.get(column, "").strip()):
@@ -187,7 +191,13 @@ def _film(table: Path, number: int, cells: Mapping[str, str]) -> FilmToDraft:
     if called is not None and not PLAIN_NAME.fullmatch(called):
         raise FormatError(f"{row}, name: {called[:40]!r} cannot be the name of a folder.")
     orders = {order: of(**said[order]) for order, of in FILM_ORDERS.items()}
-    return FilmToDraft(path, **orders, name=called)
+    others = tuple(_place(table, each) for each in beside if each)
+    return FilmToDraft(path, **orders, name=called, beside=others)
+
+
+def _place(table: Path, name: str) -> Path:
+    """Where a film is that a table names: from the table's folder on."""
+    return (table.absolute().parent / Path(name).expanduser()).absolute()
 
 
 def _require_one_each(order: type, said: Iterable[str], row: str) -> None:

@@ -7,7 +7,8 @@ are left, drafts that are no keyframes yet. Beside it `person.json` says what wa
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable
+import os
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from threading import Event
 from typing import Final, TypeAlias
@@ -24,6 +25,8 @@ from keypose.app.editor.drafted import (
     with_accepted,
 )
 from keypose.app.export.report.images import jpeg
+from keypose.app.jobs.add_film import found_film
+from keypose.app.jobs.batch.films import SEPARATOR
 from keypose.app.jobs.batch.task import Stage, Step, Task
 from keypose.app.jobs.draft import drafted, progress_of
 from keypose.app.jobs.film_session import (
@@ -37,8 +40,9 @@ from keypose.app.jobs.film_session import (
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats, with_settings
-from keypose.app.orders.film import FILM_ORDERS, FilmToDraft
+from keypose.app.orders.film import FILM_ORDERS, BesideOrder, FilmToDraft
 from keypose.app.orders.tracking import said
+from keypose.app.words.films import film_words, lens_words, mended_words
 from keypose.app.words.people import (
     accepted_words,
     another_person_words,
@@ -48,7 +52,7 @@ from keypose.app.words.people import (
     undrafted_words,
 )
 from keypose.tracker.body.modify import height
-from keypose.tracker.errors import KeypointError, SessionError
+from keypose.tracker.errors import KeypointError, KeyposeError, SessionError
 from keypose.tracker.files import read_own
 from keypose.tracker.fitting.draft import DraftProgress
 from keypose.tracker.keypoints.region import Box
@@ -132,7 +136,42 @@ def make_session(task: Task, film: FilmToDraft, send: SendStep, stop: Event) -> 
         session, record = _drafted(task, film, record, kept, send, stop)
     if not session.subject.keyframes:
         session, record = _with_camera(session, path, record, _sender(send, "camera", stop))
-        _accept(session, path, record)
+        session, record = _accept(session, path, record)
+    if film.beside:
+        _with_films(session, path, record, film.beside, send, stop)
+
+
+def _with_films(
+    session: Session,
+    path: Path,
+    record: _Record,
+    films: Sequence[Path],
+    send: SendStep,
+    stop: Event,
+) -> None:
+    """Add the films that are not in the session yet; written. One that cannot be laid beside the
+    first is left out, which is said."""
+    folder = path.parent
+    there = {os.path.realpath(folder / view.video.path) for view in session.views}
+    for film in films:
+        if os.path.realpath(film) in there:
+            continue
+        try:
+            added = found_film(
+                session, path, film, BesideOrder(), _sender(send, "films", stop), stop.is_set
+            )
+        except KeyposeError as error:
+            record = record.with_note(f"{film.name} was left out. {error}")
+        else:
+            for words in (
+                film_words(added.view),
+                lens_words(session.view, added.session.view),
+                mended_words(added.mended),
+            ):
+                record = record.with_note(words)
+            session = added.saved(path)
+        _write_record(record, path)
+        save_session(session, path)
 
 
 def _require_nothing_asked(film: FilmToDraft, path: Path) -> None:
@@ -149,7 +188,7 @@ def _asked(task: Task, film: FilmToDraft) -> dict[str, str]:
         f"{name}.{field}": str(value)
         for name, order in orders.items()
         for field, value in said(order).items()
-    }
+    } | ({"beside": SEPARATOR.join(map(str, film.beside))} if film.beside else {})
 
 
 def _is_left(session: Session) -> bool:
@@ -230,8 +269,8 @@ def _with_camera(
     return session, record
 
 
-def _accept(session: Session, path: Path, record: _Record) -> None:
-    """Take the proposed drafts as keyframes, and say which."""
+def _accept(session: Session, path: Path, record: _Record) -> tuple[Session, _Record]:
+    """The session with the proposed drafts as keyframes, written; and which these are."""
     frames = proposed_frames(session)
     drafted = session.subject.drafted
     if len(frames) < 2 or drafted is None:
@@ -244,8 +283,10 @@ def _accept(session: Session, path: Path, record: _Record) -> None:
     record = record.with_note(undrafted_words(missing_frames(drafted)))
     others = [place.frame for place in drafted.places if place.reason == "person"]
     record = record.with_note(another_person_words(others))
+    session = with_accepted(session, frames)
     _write_record(record, path)
-    save_session(with_accepted(session, frames), path)
+    save_session(session, path)
+    return session, record
 
 
 def _sender(send: SendStep, stage: Stage, stop: Event | None) -> Callable[[float], None]:

@@ -13,7 +13,7 @@ from keypose.tracker.session.settings import Quality
 
 State: TypeAlias = Literal["tracked", "kept", "failed", "open", "interrupted"]
 """kept: nothing was missing.  open: another Keypose has it, so it was left alone."""
-Stage: TypeAlias = Literal["person", "draft", "camera", "track", "stand", "export"]
+Stage: TypeAlias = Literal["person", "draft", "camera", "films", "track", "stand", "export"]
 """What is done of one session, one after the other."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import av
@@ -15,6 +16,9 @@ from keypose.app.cli.main import main
 from keypose.app.document.new import new_session
 from keypose.app.document.open import copy_session
 from keypose.app.jobs import add_film
+from keypose.app.jobs.batch import make_session
+from keypose.app.jobs.batch.task import Task
+from keypose.app.orders.film import FilmToDraft
 from keypose.tracker import TrackFinished, keypoints_of_session, open_video_of, track_session
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
@@ -25,6 +29,7 @@ from keypose.tracker.films.cameras import joints_of_pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler, transform
+from keypose.tracker.keypoints.find_people import FoundPerson, PeopleInFilm
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.operations.films import close_all, films_beside, open_other_films
@@ -41,6 +46,7 @@ SKELETON = Skeleton.of(preset("adult_male"))
 CLOCK = FilmClock(3.4)
 KEYS = (20, 70)
 R_SIDE = rotation_from_euler(0.05, np.radians(65.0), 0.08)
+BOX = (100.0, 20.0, 220.0, 170.0)
 FROM_THE_SIDE = ("--box", "100,20,220,170")
 
 
@@ -281,6 +287,45 @@ def test_a_film_that_is_gone_is_named_in_one_sentence(
     said = capsys.readouterr().err
     assert "side.mp4" in said
     assert "is missing" in said
+
+
+def made(path: Path, film: Path, side: Path) -> tuple[str, ...]:
+    """A session that was begun without a hand, gone on with; what was decided."""
+    first = FilmToDraft(film, beside=(side,))
+    task = Task(path, film=first)
+    asked = make_session._asked(task, first)
+    record = make_session._Record(asked=asked, frame=0, box=BOX)
+    make_session._write_record(record, path)
+    make_session.make_session(task, first, lambda step: None, Event())
+    return make_session.notes_of(path)
+
+
+@pytest.fixture
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One person is found in the other film."""
+    people = PeopleInFilm(0, (FoundPerson(BOX, 1.0),), {})
+    monkeypatch.setattr(add_film, "people_seen", lambda *_: people)
+
+
+@pytest.mark.usefixtures("alone")
+def test_without_a_hand_the_other_film_is_added_once_and_said(tmp_path: Path, side: Path) -> None:
+    path = begun(tmp_path)
+    notes = made(path, tmp_path / "front.mp4", side)
+    assert any(words.startswith("side.mp4 begins 3.") for words in notes)
+    assert len(load_session(path).views) == 2
+    made(path, tmp_path / "front.mp4", side)
+    assert len(load_session(path).views) == 2
+
+
+@pytest.mark.usefixtures("alone")
+def test_without_a_hand_a_film_of_another_motion_is_left_out_and_that_is_said(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen_in(monkeypatch, joints_of(crossing), len(JOINTS_M) - 8)
+    path = begun(tmp_path)
+    notes = " ".join(made(path, tmp_path / "front.mp4", side))
+    assert "side.mp4 was left out. side.mp4 and front.mp4 show no motion in common" in notes
+    assert len(load_session(path).views) == 1
 
 
 def test_a_film_of_another_motion_is_refused_in_one_sentence(

@@ -47,11 +47,16 @@ def test_what_is_empty_in_a_table_is_left_out(tmp_path: Path) -> None:
     assert films[1].taken.recorded_fps == 240.0
 
 
+def test_a_row_names_other_films_of_its_motion_from_the_tables_folder_on(tmp_path: Path) -> None:
+    (film,) = read_table(table(tmp_path, "film,beside", "a.mp4,b.mp4 | more/c.mp4"))
+    assert film.beside == (tmp_path / "b.mp4", tmp_path / "more" / "c.mp4")
+
+
 WRONG = {
     "no film column": (("video,box", "a.mp4,"), "has no column 'film'"),
     "an unknown column": (
         ("film,size", "a.mp4,3"),
-        "has a column 'size'; known are film, name, box",
+        "has a column 'size'; known are film, name, beside, box",
     ),
     "a column twice": (("film,box,box", "a.mp4,,"), "has a column twice"),
     "a row without a film": (("film,box", ",3"), "films.csv, row 2: the film is missing"),
