@@ -71,6 +71,8 @@ ADJUSTING = Criteria(
 )
 USUAL_M: Final = np.array([0.29, 0.25, 0.42, 0.41, 0.34, 0.22, 0.5])
 """Lengths of a grown person, where the body has none."""
+POSED_M = 0.05
+"""Standard deviation of a joint that somebody posed, beside where detectors see it."""
 FREE_M = 30.0
 """Standard deviation of a joint before anything is seen: what one film alone sees has a depth."""
 
@@ -96,21 +98,29 @@ class BundleData:
 
     xy (V, F, J, 2): where joints are seen.  scale (V, F, J): 1/σ, 0 where they are not.
     lengths_m (L,): of `LENGTHS` as the body has them, NaN where it has not.  free_focal (V,):
-        whose lens is a guess.
+        whose lens is a guess.  posed (F, J, 3): joints as somebody posed them, in the world, NaN
+        where nobody did.
     """
 
     xy: Array
     scale: Array
     lengths_m: Array
     free_focal: tuple[bool, ...]
+    posed: Array
 
     @classmethod
     def of(
-        cls, films: Sequence[Sightings], lengths_m: Array, free_focal: Sequence[bool]
+        cls,
+        films: Sequence[Sightings],
+        lengths_m: Array,
+        free_focal: Sequence[bool],
+        posed: Array | None = None,
     ) -> BundleData:
         """Films at the same moments."""
         xy = np.nan_to_num(np.stack([film.xy for film in films]))
-        return cls(xy, np.stack([film.scale for film in films]), lengths_m, tuple(free_focal))
+        scale = np.stack([film.scale for film in films])
+        nobody = np.full((*xy.shape[1:3], 3), np.nan)
+        return cls(xy, scale, lengths_m, tuple(free_focal), nobody if posed is None else posed)
 
     @property
     def lenses(self) -> list[int]:
@@ -221,6 +231,13 @@ class _Point:
         return along / length[..., None], (length - lengths[OF_BONE]) / SPREAD_M[OF_BONE]
 
     @cached_property
+    def _off_posed(self) -> tuple[Array, Array]:
+        """(F, J, 3) from where joints were posed, and their lengths (F, J), standard deviations; 0
+        where nobody posed them."""
+        off = np.nan_to_num(self.bundle.joints - self.data.posed) / POSED_M
+        return off, np.linalg.norm(off, axis=-1)
+
+    @cached_property
     def _size(self) -> Array:
         """(L,) by how much lengths are larger than the body's, standard deviations."""
         usual_m = np.where(np.isfinite(self.data.lengths_m), self.data.lengths_m, USUAL_M)
@@ -233,7 +250,8 @@ class _Point:
             return np.inf
         lenses = (self.bundle.log_focal[self.data.lenses] / FOCAL_SHARE) ** 2
         priors = lenses.sum() + (self._size**2).sum()
-        total = KERNEL.loss(away).sum() + KERNEL.loss(np.abs(off)).sum() + priors
+        posed = KERNEL.loss(self._off_posed[1]).sum()
+        total = KERNEL.loss(away).sum() + KERNEL.loss(np.abs(off)).sum() + priors + posed
         return 0.5 * float(total)
 
     @cached_property
@@ -261,6 +279,10 @@ class _Point:
             C[np.ix_(columns, columns)] += np.einsum("fjka,fjkb->ab", wK, K)
             h[columns] += np.einsum("fjka,fjk->a", wK, r[v])
             B[:, :, columns] += np.einsum("fjka,fjkb->fjab", wJX, K).reshape(F, 3 * J, -1)
+        off_posed, length = self._off_posed
+        held = KERNEL.weight(length) * np.isfinite(data.posed).all(axis=-1)
+        blocks[:, joint, :, joint, :] += held.T[..., None, None] * np.eye(3) / POSED_M**2
+        g += (held[..., None] * off_posed / POSED_M).reshape(F, -1)
         A += blocks.reshape(F, 3 * J, 3 * J)
         self._add_bones(C, h, A, g, B)
         for k, view in enumerate(data.lenses):

@@ -123,11 +123,17 @@ def find_camera(
     keyed: joints (J, 3) in the first camera's frame at rows that were posed.  near: T_camera_first
         that is about right: only this start counts then.
     """
+    keyed = keyed or {}
     rows = moments_of([first, film])
     if len(rows) < 2:
         return None
-    data = BundleData.of([rows_of(first, rows), rows_of(film, rows)], lengths_m, free_focal)
-    starts = [near] if near is not None else list(_starts(first, film, lengths_m, keyed or {}))
+    both = np.array([row for row in keyed if first.seen[row] and film.seen[row]], np.int64)
+    rows = np.union1d(rows, both)
+    nobody = np.full((len(JOINTS), 3), np.nan)
+    posed = np.stack([keyed.get(int(row), nobody) for row in rows])
+    sights = [rows_of(first, rows), rows_of(film, rows)]
+    data = BundleData.of(sights, lengths_m, free_focal, posed)
+    starts = [near] if near is not None else list(_starts(first, film, lengths_m, keyed))
     ends = [end for T in starts if (end := adjusted_from(data, [np.eye(4), T])) is not None]
     if not ends:
         return None
