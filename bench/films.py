@@ -32,7 +32,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.films.cameras import at_scale_of, joints_of_pose, lengths_of
 from keypose.tracker.films.mend import SeenInFilm, mended
-from keypose.tracker.films.offset import FoundOffset, find_offsets
+from keypose.tracker.films.offset import FoundOffset, OffsetSearch, find_offsets
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
@@ -246,7 +246,7 @@ def _rendered(report: Report) -> None:
         lengths_m = lengths_of(shown.skeleton.body)
         frames = list(range(0, len(shown.truth), APART))
         keyed = {frame: joints_of_pose(shown.skeleton, shown.truth.pose(frame)) for frame in frames}
-        best, *_ = find_offsets(*sightings, rate=1.0, fps=30.0, lengths_m=lengths_m, keyed=keyed)
+        best, *_ = find_offsets(OffsetSearch(*sightings, 30.0, lengths_m, keyed=keyed), 1.0)
         count = np.arange(len(shown.truth))
         camera = at_scale_of(best.camera, sightings[1].at(best.clock, count), keyed)
         found_T = camera.T_camera_first
@@ -373,14 +373,8 @@ def _found(man: Man, lengths_m: Array, cut: int, known: bool) -> tuple[FoundOffs
         cameras[number] = view.camera if known else guess
         sightings[number] = Sightings.of(view.keypoints, cameras[number], FRAMES)
     film = sightings[BESIDE].at(FilmClock(), np.arange(cut, FRAMES))
-    best, *_ = find_offsets(
-        sightings[FIRST],
-        film,
-        rate=1.0,
-        fps=FPS,
-        lengths_m=lengths_m,
-        free_focal=(not known, not known),
-    )
+    free = not known, not known
+    best, *_ = find_offsets(OffsetSearch(sightings[FIRST], film, FPS, lengths_m, free), 1.0)
     ratios = {FIRST: best.camera.first_focal, BESIDE: best.camera.focal}
     off = [
         100 * abs(cameras[n].fx * ratios[n] / man.views[n].camera.fx - 1) for n in (FIRST, BESIDE)

@@ -9,7 +9,14 @@ from keypose.app.cli.change import Change, run_change
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.jobs.add_film import AddedFilm, found_film
 from keypose.app.orders.film import BesideOrder
-from keypose.app.words.films import film_words, lens_words, mended_words, place_of, turned_deg
+from keypose.app.words.films import (
+    film_words,
+    lens_words,
+    mended_words,
+    pair_words,
+    place_of,
+    turned_deg,
+)
 from keypose.tracker.session import Session
 
 
@@ -21,14 +28,18 @@ def _added(session: Session, arguments: argparse.Namespace) -> Change:
     path = arguments.session
     order = order_of(BesideOrder, arguments)
     with share_reporter(arguments.json) as report:
-        added = found_film(session, path, arguments.video, order, report)
+        added = found_film(
+            session, path, arguments.video, order, report, calibration=arguments.calibration
+        )
     lines = tuple(line for line in _lines(session, added) if line)
     return Change(lambda: added.saved(path), lines, _facts(added))
 
 
 def _lines(session: Session, added: AddedFilm) -> tuple[str, ...]:
-    lens = lens_words(session.view, added.session.view)
-    return film_words(added.view), lens, mended_words(added.mended)
+    file = "" if added.pair is None else added.pair.file
+    lens = lens_words(session.view, added.session.view, file)
+    pair = "" if added.pair is None else pair_words(added.pair, added.view)
+    return pair, film_words(added.view), lens, mended_words(added.mended)
 
 
 def _facts(added: AddedFilm) -> dict[str, object]:

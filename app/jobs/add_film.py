@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,12 @@ from keypose.app.words.people import NOBODY, several_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.films.cameras import at_scale_of, joints_of_pose, lengths_of
-from keypose.tracker.films.offset import FoundOffset, OffsetSearch, find_offsets
+from keypose.tracker.films.offset import CLOSE, FoundOffset, OffsetSearch, find_offsets
 from keypose.tracker.films.sightings import Sightings
+from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair, calibrated_pairs
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock
-from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
+from keypose.tracker.geometry.rotations import Array, log_rotation, quaternion_wxyz, transpose
 from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.detectors import open_detector
 from keypose.tracker.keypoints.find_people import spread_frames
@@ -40,6 +43,9 @@ from keypose.tracker.tracking.pool import Cancelled, never
 from keypose.tracker.video import Video
 
 MOST_FILMS = 8
+MOST_MOVED_DEG = 15.0
+"""A calibration that is off by more is of another setup; the published one of four cameras that
+misses its own films is off by 2°."""
 MOST_DRAFTS = 30
 """That are asked how far away a camera is; neighbouring ones know the same."""
 
@@ -52,7 +58,7 @@ class AddedFilm:
     keypoints, network, seed: what was seen of the person in it, by which network, and the frame at
         which it was looked for first.
     offset: when it was taken, and where its camera stands.  others: the other offsets that may be
-        true.  mended: what became of the keyframes.
+        true.  mended: what became of the keyframes.  pair: of a calibration, where one was given.
     """
 
     session: Session
@@ -62,6 +68,7 @@ class AddedFilm:
     offset: FoundOffset
     others: tuple[FoundOffset, ...]
     mended: MendedKeyframes
+    pair: CalibratedPair | None = None
 
     @property
     def view(self) -> View:
@@ -90,11 +97,13 @@ def found_film(
     order: BesideOrder,
     report: Callable[[float], None] = lambda share: None,
     cancelled: Callable[[], bool] = never,
+    calibration: Path | None = None,
 ) -> AddedFilm:
     """A film that shows the motion of a session; no file is written.
 
-    path: of the film.  report: receives the share that is done.  Cancelled, or KeyposeError in one
-    sentence where it cannot be read, shows nobody, or nothing that the first shows.
+    path: of the film.  calibration: a file of several cameras, both films' among them.
+    report: receives the share that is done.  Cancelled, or KeyposeError in one sentence where it
+    cannot be read, shows nobody, or nothing that the first shows.
     """
     _require_room(session)
     with open_video_of(session, session_path) as first, Video.open(path) as video:
@@ -104,30 +113,87 @@ def found_film(
         box, at = _box(order, video)
         film_keypoints, network = _detected(session, view, video, box, at, report, cancelled)
         rates = first.info.fps, video.info.fps
-    offsets = _offsets(
-        session, view, (first_keypoints, film_keypoints), rates, order.begins, cancelled
-    )
+    both = first_keypoints, film_keypoints
+    pairs = [None] if calibration is None else calibrated_pairs(calibration, session.view, view)
+    tried = [
+        Laid(pair, _offsets(session, view, both, rates, order.begins, pair, cancelled))
+        for pair in pairs
+    ]
     if cancelled():
         raise Cancelled
+    laid = _best(tried)
+    offsets = laid.offsets
+    if not offsets and calibration is not None:
+        raise SessionError(
+            f"{calibration.name} does not fit these films, or they show no motion in common: leave "
+            "it out, and the cameras are found from the body alone."
+        )
     if not offsets:
         raise SessionError(
             f"{path.name} and {Path(session.view.video.path).name} show no motion in common, so "
             "nothing tells when it was taken: give the frame at which it begins."
         )
-    session = _with_first_lens(session, offsets[0].camera.first_focal)
+    if laid.pair is None:
+        session = _with_first_lens(
+            session, session.view.camera.zoomed(offsets[0].camera.first_focal)
+        )
+    else:
+        session = _with_first_lens(session, laid.pair.first, "calibration")
+        lens = {"camera": laid.pair.film, "lens_source": "calibration"}
+        view = view.model_copy(update=lens)
     best, *others = (_at_scale(session, view, film_keypoints, offset) for offset in offsets)
-    after = _with_view(session, _placed(view, best, others))
+    source: Literal["body", "file"] = "body" if laid.pair is None else "file"
+    after = _with_view(session, _placed(view, best, others, source))
     mended = mend_keyframes(after, {session.view.id: first_keypoints, view.id: film_keypoints})
-    return AddedFilm(mended.session, film_keypoints, network, at, best, tuple(others), mended)
+    return AddedFilm(
+        mended.session, film_keypoints, network, at, best, tuple(others), mended, laid.pair
+    )
 
 
-def _with_first_lens(session: Session, ratio: float) -> Session:
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """The offsets of two films, were these their cameras in a calibration; None without one."""
+
+    pair: CalibratedPair | None
+    offsets: tuple[FoundOffset, ...]
+
+    @property
+    def cost(self) -> float:
+        """Of the likeliest offset."""
+        return self.offsets[0].cost if self.offsets else np.inf
+
+    @property
+    def moved_deg(self) -> float:
+        """By how much the body shows the film's camera turned from where the calibration has it."""
+        if self.pair is None or not self.offsets:
+            return 0.0
+        there = self.offsets[0].camera.T_camera_first[:3, :3]
+        turn = log_rotation(there @ transpose(self.pair.T_film_first[:3, :3]))
+        return float(np.degrees(np.linalg.norm(turn)))
+
+
+def _best(tried: Sequence[Laid]) -> Laid:
+    """Of the cameras that a calibration may mean those that were moved least: from wherever one
+    begins, the body leads to the same place. SessionError where none is where the file has it."""
+    least = min(laid.cost for laid in tried)
+    best = min((laid for laid in tried if laid.cost <= CLOSE * least), key=lambda it: it.moved_deg)
+    if best.pair is not None and best.moved_deg > MOST_MOVED_DEG:
+        raise SessionError(
+            f"{best.pair.file} does not fit these films: the body shows their cameras turned by "
+            f"{best.moved_deg:.0f}° from where it has them. Leave it out, and they are found from "
+            "the body alone."
+        )
+    return best
+
+
+def _with_first_lens(
+    session: Session, lens: Camera, source: Literal["fitted", "calibration"] = "fitted"
+) -> Session:
     """The session with the lens that its first turned out to have: what is posed is seen as large
     as before."""
-    if ratio == 1.0:
+    if lens == session.view.camera:
         return session
-    lens = session.view.camera.zoomed(ratio)
-    return seen_as_before(session, session.changed({"camera": lens, "lens_source": "fitted"}))
+    return seen_as_before(session, session.changed({"camera": lens, "lens_source": source}))
 
 
 def _at_scale(
@@ -274,32 +340,29 @@ def _offsets(
     keypoints: tuple[Keypoints, Keypoints],
     rates: tuple[float, float],
     begins: float | None,
+    pair: CalibratedPair | None,
     cancelled: Callable[[], bool],
 ) -> tuple[FoundOffset, ...]:
-    """When the film was taken, the likeliest first."""
-    first = Sightings.of(keypoints[0], session.view.camera, session.view.video.frame_count)
-    film = Sightings.of(keypoints[1], view.camera, view.video.frame_count)
+    """When the film was taken, the likeliest first.  pair: the cameras of both in a calibration."""
+    cameras = session.view.camera, view.camera
+    guesses, start = (session.view.lens_is_guess, view.lens_is_guess), None
+    if pair is not None:
+        cameras, guesses, start = (pair.first, pair.film), (False, False), pair.T_film_first
+    first = Sightings.of(keypoints[0], cameras[0], session.view.video.frame_count)
+    film = Sightings.of(keypoints[1], cameras[1], view.video.frame_count)
     keyed = _joints_at(session, (each for each in session.subject.keyframes if not each.drafted))
     lengths_m, rate = lengths_of(session.subject.body), rates[1] / rates[0]
-    guesses = session.view.lens_is_guess, view.lens_is_guess
-    if begins is not None:
-        clock = FilmClock(begins, rate)
-        search = OffsetSearch(first, film, rates[0], lengths_m, guesses, keyed)
-        camera = search.camera_at(clock)
-        return () if camera is None else (FoundOffset(clock, 0.0, camera),)
-    return find_offsets(
-        first,
-        film,
-        rate=rate,
-        fps=rates[0],
-        lengths_m=lengths_m,
-        free_focal=guesses,
-        keyed=keyed,
-        cancelled=cancelled,
-    )
+    search = OffsetSearch(first, film, rates[0], lengths_m, guesses, keyed, start)
+    if begins is None:
+        return find_offsets(search, rate, cancelled)
+    clock = FilmClock(begins, rate)
+    camera = search.camera_at(clock)
+    return () if camera is None else (FoundOffset(clock, 0.0, camera),)
 
 
-def _placed(view: View, best: FoundOffset, others: list[FoundOffset]) -> View:
+def _placed(
+    view: View, best: FoundOffset, others: list[FoundOffset], source: Literal["body", "file"]
+) -> View:
     """The view with its clock and its camera as found."""
     clock, placed = best.clock, best.camera
     T = placed.T_camera_first
@@ -311,7 +374,7 @@ def _placed(view: View, best: FoundOffset, others: list[FoundOffset]) -> View:
             also=tuple(round(each.clock.begins, 4) for each in others),
         ),
         "placed": Placed(
-            source="body",
+            source=source,
             turn_sigma_rad=round(placed.sigma_rad, 6),
             place_sigma_m=round(placed.sigma_m, 4),
         ),

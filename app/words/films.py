@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.operations.mend_keyframes import MendedKeyframes
 from keypose.tracker.session.views import View
@@ -37,13 +38,26 @@ def clock_words(view: View) -> str:
     return f"{words}; the motion repeats itself, so it may as well begin at {others}"
 
 
-def lens_words(before: View, after: View) -> str:
+def pair_words(pair: CalibratedPair, view: View) -> str:
+    """Such as "rig.toml: the films are its cameras cam03 and cam02. The body shows cam02 turned by
+    1.6° from where the file has it."."""
+    first, second = pair.names
+    turn = view.T_camera_world[:3, :3] @ transpose(pair.T_film_first[:3, :3])
+    off = np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1.0, 1.0)))
+    return (
+        f"{pair.file}: the films are its cameras {first} and {second}. The body shows {second} "
+        f"turned by {off:.1f}° from where the file has it."
+    )
+
+
+def lens_words(before: View, after: View, file: str = "") -> str:
     """Such as "Both films show that the first one's lens is 24 mm, not 29 mm."; empty where it
-    stays."""
+    stays.  file: that says so; empty where the films do."""
     was, is_now = before.camera.focal_mm, after.camera.focal_mm
     if before.camera == after.camera:
         return ""
-    return f"Both films show that the first one's lens is {is_now:.0f} mm, not {was:.0f} mm."
+    who = f"{file} says" if file else "Both films show"
+    return f"{who} that the first one's lens is {is_now:.0f} mm, not {was:.0f} mm."
 
 
 def mended_words(mended: MendedKeyframes) -> str:

@@ -223,7 +223,15 @@ def _by_rays(first: Sightings, film: Sightings, lengths_m: Array) -> Array | Non
     _, R, t, _ = cv2.recoverPose(E, a, b, np.eye(3), mask=inliers)
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = R, t[:, 0]
-    rows = moments_of([first, film])
+    return at_limbs_length(T, first, film, lengths_m)
+
+
+def at_limbs_length(T: Array, first: Sightings, film: Sightings, lengths_m: Array) -> Array | None:
+    """T_camera_first whose lengths are of any unit, in metres: so that limbs are as long as the
+    body's; None where no limb is seen by both.  first, film: at the same moments."""
+    T, rows = T.copy(), moments_of([first, film])
+    if not len(rows):
+        return None
     data = BundleData.of([rows_of(first, rows), rows_of(film, rows)], lengths_m, (False, False))
     joints = triangulated(data, np.stack([np.eye(4), T]))
     apart = np.linalg.norm(joints[:, ENDS[:, 0]] - joints[:, ENDS[:, 1]], axis=-1)

@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from keypose.tracker.films.cameras import OWN_SIGMA, FoundCamera, find_camera
+from keypose.tracker.films.cameras import OWN_SIGMA, FoundCamera, at_limbs_length, find_camera
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array
@@ -61,24 +61,14 @@ class FoundOffset:
 
 
 def find_offsets(
-    first: Sightings,
-    film: Sightings,
-    *,
-    rate: float,
-    fps: float,
-    lengths_m: Array,
-    free_focal: tuple[bool, bool] = (False, False),
-    keyed: Mapping[int, Array] | None = None,
-    cancelled: Callable[[], bool] = lambda: False,
+    search: OffsetSearch, rate: float, cancelled: Callable[[], bool] = lambda: False
 ) -> tuple[FoundOffset, ...]:
     """The offsets that may be true, the likeliest first; none where the films share no motion.
 
-    rate: frames of the film per frame of the first.  fps: of the first film.  lengths_m,
-    free_focal, keyed: as of `find_camera`.
+    rate: frames of the film per frame of the first.
     """
-    search = OffsetSearch(first, film, fps, lengths_m, free_focal, keyed)
     offsets: list[FoundOffset] = []
-    for begins in likely_begins(first, film, rate, fps):
+    for begins in likely_begins(search.first, search.film, rate, search.fps):
         if cancelled():
             break
         offset = search.about(FilmClock(begins, rate))
@@ -88,7 +78,8 @@ def find_offsets(
     distinct: list[FoundOffset] = []
     for each in offsets:
         away = [abs(each.clock.begins - kept.clock.begins) for kept in distinct]
-        if each.cost <= CLOSE * offsets[0].cost and min(away, default=np.inf) > APART_S * fps:
+        near = min(away, default=np.inf) <= APART_S * search.fps
+        if each.cost <= CLOSE * offsets[0].cost and not near:
             distinct.append(each)
     return tuple(distinct)
 
@@ -147,7 +138,12 @@ def _alike(a: Array, b: Array, least: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class OffsetSearch:
-    """Two films whose offset is looked for; see `find_offsets`."""
+    """Two films whose offset is looked for.
+
+    first, film: each at its own frames.  fps: of the first.  lengths_m, free_focal, keyed: as of
+    `find_camera`.  start: T_camera_first to begin from alone, its lengths in any unit; None where
+    nobody knows where the cameras stand.
+    """
 
     first: Sightings
     film: Sightings
@@ -155,6 +151,7 @@ class OffsetSearch:
     lengths_m: Array
     free_focal: tuple[bool, bool] = (False, False)
     keyed: Mapping[int, Array] | None = None
+    start: Array | None = None
 
     def about(self, clock: FilmClock) -> FoundOffset | None:
         """Camera and offset found in turn, from about the right offset; None where nothing tells
@@ -172,6 +169,8 @@ class OffsetSearch:
     def camera_at(self, clock: FilmClock, near: Array | None = None) -> FoundCamera | None:
         """Where the camera is if the clocks lie so."""
         film = self.film.at(clock, np.arange(len(self.first)))
+        if near is None and self.start is not None:
+            near = at_limbs_length(self.start, self.first, film, self.lengths_m)
         return find_camera(
             self.first,
             film,

@@ -93,6 +93,13 @@ def add_add_film(commands: Subcommands) -> None:
     )
     add_order(command, BesideOrder)
     command.add_argument(
+        "--calibration",
+        metavar="FILE",
+        type=file_name,
+        help="the cameras of both films: Qualisys, TOML of Anipose, FreeMoCap or Pose2Sim, or a "
+        "stereo calibration of OpenCV. Which are theirs is found, and they are refined by the body",
+    )
+    command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"
     )
     add_json(command)

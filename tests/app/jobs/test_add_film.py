@@ -28,7 +28,13 @@ from keypose.tracker.errors import SessionError
 from keypose.tracker.films.cameras import joints_of_pose
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
-from keypose.tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler, transform
+from keypose.tracker.geometry.rotations import (
+    Array,
+    exp_rotation,
+    log_rotation,
+    rotation_from_euler,
+    transform,
+)
 from keypose.tracker.keypoints.find_people import FoundPerson, PeopleInFilm
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.model_files import find_model
@@ -227,6 +233,57 @@ def test_where_it_begins_may_be_said(tmp_path: Path, side: Path) -> None:
     assert other.clock is not None
     assert other.clock.begins == 4.25
     assert other.clock.sigma is None
+
+
+def test_of_a_calibration_the_right_cameras_are_taken_and_refined(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    K = Camera.from_focal_length(*SIZE, 30.0)
+    turned = T_SIDE.copy()
+    turned[:3, :3] = rotation_from_euler(0.02, 0.05, -0.03) @ turned[:3, :3]
+    behind = transform(rotation_from_euler(0.0, 2.5, 0.0), np.array([0.5, 0.0, 6.0]))
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        "\n".join(
+            f"[{name}]\nsize = {list(SIZE)}\n"
+            f"matrix = {K.K.tolist()}\ndistortions = [0, 0, 0, 0]\n"
+            f"rotation = {log_rotation(T[:3, :3]).tolist()}\n"
+            f"translation = {(1000 * T[:3, 3]).tolist()}\n"
+            for name, T in (("b", turned), ("c", behind), ("a", np.eye(4)))
+        ),
+        encoding="utf-8",
+    )
+    other = added(path, side, "--calibration", str(rig)).views[1]
+    said = capsys.readouterr().out
+    assert "rig.toml: the films are its cameras a and b." in said
+    assert "turned by" in said
+    assert other.lens_source == "calibration"
+    assert other.placed is not None
+    assert other.placed.source == "file"
+    R = other.T_camera_world[:3, :3] @ R_SIDE.T
+    assert np.degrees(np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1))) < 2.5
+
+
+def test_a_calibration_of_another_setup_is_refused(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    rig = tmp_path / "rig.toml"
+    K = Camera.from_focal_length(*SIZE, 30.0).K.tolist()
+    rig.write_text(
+        "\n".join(
+            f"[{name}]\nsize = {list(SIZE)}\nmatrix = {K}\ndistortions = [0, 0, 0, 0]\n"
+            f"rotation = [0, {turn}, 0]\ntranslation = [{turn}, 0, 0]\n"
+            for name, turn in (("a", 0.0), ("b", 2.5))
+        ),
+        encoding="utf-8",
+    )
+    before = path.read_bytes()
+    words = ["add-film", str(path), str(side), *FROM_THE_SIDE, "--calibration", str(rig)]
+    assert main(words) == 2
+    assert "rig.toml does not fit these films" in capsys.readouterr().err
+    assert path.read_bytes() == before
 
 
 def test_another_clock_of_the_film_makes_what_was_tracked_outdated(

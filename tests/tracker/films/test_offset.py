@@ -10,6 +10,7 @@ import pytest
 from keypose.tracker.films.cameras import find_camera, lengths_of
 from keypose.tracker.films.offset import OffsetSearch, find_offsets
 from keypose.tracker.geometry.film_clock import FilmClock
+from keypose.tracker.geometry.rotations import rotation_from_euler
 from tests.rendering.motions import crossing, stride, throw
 from tests.tracker.films.film_cases import (
     BODY,
@@ -29,9 +30,8 @@ CASES = [
 
 
 def found_in(films: TwoFilms, **more: object) -> tuple:
-    return find_offsets(
-        films.first, films.film, rate=films.clock.rate, fps=30.0, lengths_m=LENGTHS_M, **more
-    )  # type: ignore[arg-type]
+    search = OffsetSearch(films.first, films.film, 30.0, LENGTHS_M, **more)  # type: ignore[arg-type]
+    return find_offsets(search, films.clock.rate)
 
 
 @pytest.mark.parametrize(("motion", "turned_deg", "clock"), CASES)
@@ -88,6 +88,18 @@ def test_a_lens_that_is_a_guess_is_found_with_the_camera() -> None:
     assert camera is not None
     assert abs(camera.focal - 0.85) < 0.06
     assert turned_apart_deg(camera.T_camera_first, films.T_film_first) < 6.0
+
+
+@pytest.mark.parametrize("unit", [1.0, 1000.0])
+def test_a_calibration_in_any_unit_is_where_one_begins_and_is_refined(unit: float) -> None:
+    films = two_films(throw, 60.0, FilmClock(3.4))
+    touched = films.T_film_first.copy()
+    touched[:3, :3] = rotation_from_euler(0.03, 0.05, -0.04) @ touched[:3, :3]
+    touched[:3, 3] *= unit
+    best = found_in(films, start=touched)[0]
+    assert abs(best.clock.begins - 3.4) < 0.5
+    assert turned_apart_deg(best.camera.T_camera_first, films.T_film_first) < 3.0
+    assert places_apart_m(best.camera.T_camera_first, films.T_film_first) < 0.5
 
 
 def test_a_posed_keyframe_tells_where_the_camera_is_where_the_network_knows_no_depth() -> None:

@@ -1,0 +1,60 @@
+"""Which two cameras of a calibration may have taken two films."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+
+from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.cameras.calibrations import CalibratedCamera, load_calibration
+from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.session.views import View
+
+
+@dataclass(frozen=True, eq=False)
+class CalibratedPair:
+    """Two cameras of a file, for pictures of both films' sizes.
+
+    T_film_first: (4, 4), its lengths in the file's unit.
+    """
+
+    file: str
+    names: tuple[str, str]
+    first: Camera
+    film: Camera
+    T_film_first: Array
+
+
+def calibrated_pairs(path: Path, first: View, film: View) -> list[CalibratedPair]:
+    """All pairs of a file's cameras that may be those of two views: one whose name is in a film's
+    name is taken for that film's. FormatError in one sentence where there is none."""
+    pairs: list[CalibratedPair] = []
+    why: FormatError | None = None
+    for one, two in permutations(load_calibration(path), 2):
+        if not (_may_be(one, first, film) and _may_be(two, film, first)):
+            continue
+        try:
+            lenses = one.seeing(path.name, _size(first)), two.seeing(path.name, _size(film))
+        except FormatError as error:
+            why = error
+            continue
+        T = two.T_camera_world @ np.linalg.inv(one.T_camera_world)
+        pairs.append(CalibratedPair(path.name, (one.name, two.name), *lenses, T))
+    if not pairs:
+        raise why or FormatError(f"{path.name} has no camera for each of both films.")
+    return pairs
+
+
+def _size(view: View) -> tuple[int, int]:
+    return view.camera.width, view.camera.height
+
+
+def _may_be(camera: CalibratedCamera, view: View, other_view: View) -> bool:
+    """Whether a camera may have taken a film, by its name: not where that is in the other's."""
+    name = camera.name.lower()
+    names = [Path(each.video.path).stem.lower() for each in (view, other_view)]
+    return name in names[0] or name not in names[1]
