@@ -36,6 +36,7 @@ BRIGHTEST = tiny.simcc()
 """A network that takes what is brightest for every joint."""
 
 LEFT_OUT: Mapping[str, str] = {
+    "side.mp4": "wants a film of another camera: tests/app/jobs/test_add_film.py",
     "scheduler": "wants a cluster: tests/app/jobs/batch/test_cluster.py",
     "models add heavy": "wants a download: tests/app/cli/test_models.py",
     ".osim": "wants a model of OpenSim's: tests/app/export/test_opensim_files.py",

@@ -13,6 +13,7 @@ from keypose.app.words.films import (
     film_words,
     lens_words,
     mended_words,
+    opposite_words,
     pair_words,
     place_of,
     turned_deg,
@@ -39,7 +40,8 @@ def _lines(session: Session, added: AddedFilm) -> tuple[str, ...]:
     file = "" if added.pair is None else added.pair.file
     lens = lens_words(session.view, added.session.view, file)
     pair = "" if added.pair is None else pair_words(added.pair, added.view)
-    return pair, film_words(added.view), lens, mended_words(added.mended)
+    opposite = opposite_words(added.session, added.view)
+    return pair, film_words(added.view), opposite, lens, mended_words(added.mended)
 
 
 def _facts(added: AddedFilm) -> dict[str, object]:

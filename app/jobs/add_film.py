@@ -15,6 +15,7 @@ from keypose.app.editor.documents import seen_as_before
 from keypose.app.editor.drafted import KEYPOINT_SOURCE
 from keypose.app.jobs.film_session import people_seen
 from keypose.app.orders.film import BesideOrder
+from keypose.app.words.films import aside_deg
 from keypose.app.words.people import NOBODY, several_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError, SessionError
@@ -46,6 +47,8 @@ MOST_FILMS = 8
 MOST_MOVED_DEG = 15.0
 """A calibration that is off by more is of another setup; the published one of four cameras that
 misses its own films is off by 2°."""
+LEAST_ASIDE_DEG = 8.0
+"""Between the directions from which two films see the person; nearer ones say nothing of depth."""
 MOST_DRAFTS = 30
 """That are asked how far away a camera is; neighbouring ones know the same."""
 
@@ -144,6 +147,11 @@ def found_film(
     best, *others = (_at_scale(session, view, film_keypoints, offset) for offset in offsets)
     source: Literal["body", "file"] = "body" if laid.pair is None else "file"
     after = _with_view(session, _placed(view, best, others, source))
+    if aside_deg(after, after.views[-1]) < LEAST_ASIDE_DEG:
+        raise SessionError(
+            f"{path.name} looks at the person as the first film does, so it says nothing of depth: "
+            "add one that was taken from the side."
+        )
     mended = mend_keyframes(after, {session.view.id: first_keypoints, view.id: film_keypoints})
     return AddedFilm(
         mended.session, film_keypoints, network, at, best, tuple(others), mended, laid.pair

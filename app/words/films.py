@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.operations.mend_keyframes import MendedKeyframes
+from keypose.tracker.session import Session
 from keypose.tracker.session.views import View
+
+OPPOSITE_DEG: Final = 150.0
+"""Cameras from there on share a blind axis."""
 
 
 def film_words(view: View) -> str:
@@ -19,6 +24,28 @@ def film_words(view: View) -> str:
     away, turned = np.linalg.norm(place_of(view)), turned_deg(view)
     where = f"Its camera stands {away:.1f} m from the first one's{_metres(view)}, turned by "
     return f"{name} {clock_words(view)}. {where}{turned:.0f}°{_degrees(view)}."
+
+
+def opposite_words(session: Session, view: View) -> str:
+    """Says so where a film sees the person from the other side; empty otherwise."""
+    if aside_deg(session, view) < OPPOSITE_DEG:
+        return ""
+    return (
+        "It sees the person from the other side: neither film shows how far away limbs are along "
+        "that line. One from the side shows more."
+    )
+
+
+def aside_deg(session: Session, view: View) -> float:
+    """Between the directions from which the first film and a view's see the body, as it is posed in
+    the median."""
+    posed = [*session.subject.keyframes, *session.subject.drafts]
+    if not posed:
+        return 90.0
+    p = np.median([each.root_m for each in posed], axis=0)
+    from_view = p - place_of(view)
+    cosine = p @ from_view / (np.linalg.norm(p) * np.linalg.norm(from_view))
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
 def clock_words(view: View) -> str:

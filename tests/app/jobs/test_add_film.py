@@ -136,7 +136,7 @@ def side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return write_video(tmp_path / "side.mp4", count, 2)
 
 
-def seen_in(monkeypatch: pytest.MonkeyPatch, joints: Array, count: int) -> None:
+def seen_in(monkeypatch: pytest.MonkeyPatch, joints: Array, count: int, T: Array = T_SIDE) -> None:
     """What the detector sees in the second film."""
 
     class Network:
@@ -144,7 +144,7 @@ def seen_in(monkeypatch: pytest.MonkeyPatch, joints: Array, count: int) -> None:
 
     def detect(*_: Any, **__: Any) -> Keypoints:
         there = sampled(joints, CLOCK.moments_of(np.arange(count)))
-        there = there @ T_SIDE[:3, :3].T + T_SIDE[:3, 3]
+        there = there @ T[:3, :3].T + T[:3, 3]
         return keypoints_of(there, Camera.guess(*SIZE), 2)
 
     monkeypatch.setattr(add_film, "detect", detect)
@@ -396,6 +396,26 @@ def test_a_film_of_another_motion_is_refused_in_one_sentence(
     assert "side.mp4 and front.mp4 show no motion in common" in said
     assert said.count("\n") == 1
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(("turned_deg", "words"), [(3.0, "looks at the person as"), (170.0, "")])
+def test_films_from_the_same_side_are_refused_and_from_the_other_said(
+    tmp_path: Path,
+    side: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    turned_deg: float,
+    words: str,
+) -> None:
+    path = begun(tmp_path)
+    R = rotation_from_euler(0.0, np.radians(turned_deg), 0.0)
+    T = transform(R, MIDDLE - R @ MIDDLE)
+    seen_in(monkeypatch, JOINTS_M, len(JOINTS_M) - 8, T)
+    code = main(["add-film", str(path), str(side), *FROM_THE_SIDE])
+    said = capsys.readouterr()
+    assert code == (2 if words else 0)
+    assert words in said.err
+    assert words or "from the other side" in said.out
 
 
 def test_the_same_film_twice_is_refused(

@@ -34,16 +34,17 @@ def calibrated_pairs(path: Path, first: View, film: View) -> list[CalibratedPair
     name is taken for that film's. FormatError in one sentence where there is none."""
     pairs: list[CalibratedPair] = []
     why: FormatError | None = None
-    for one, two in permutations(load_calibration(path), 2):
-        if not (_may_be(one, first, film) and _may_be(two, film, first)):
+    for camera, beside in permutations(load_calibration(path), 2):
+        if not (_may_be(camera, first, film) and _may_be(beside, film, first)):
             continue
         try:
-            lenses = one.seeing(path.name, _size(first)), two.seeing(path.name, _size(film))
+            lens = camera.seeing(path.name, _size(first))
+            lens_beside = beside.seeing(path.name, _size(film))
         except FormatError as error:
             why = error
             continue
-        T = two.T_camera_world @ np.linalg.inv(one.T_camera_world)
-        pairs.append(CalibratedPair(path.name, (one.name, two.name), *lenses, T))
+        T = beside.T_camera_world @ np.linalg.inv(camera.T_camera_world)
+        pairs.append(CalibratedPair(path.name, (camera.name, beside.name), lens, lens_beside, T))
     if not pairs:
         raise why or FormatError(f"{path.name} has no camera for each of both films.")
     return pairs
