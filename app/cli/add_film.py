@@ -9,6 +9,7 @@ from keypose.app.cli.change import Change, run_change
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.jobs.add_film import AddedFilm, found_film
 from keypose.app.orders.film import BesideOrder
+from keypose.app.orders.tracking import FilmTaken
 from keypose.app.words.films import (
     film_words,
     lens_words,
@@ -30,7 +31,13 @@ def _added(session: Session, arguments: argparse.Namespace) -> Change:
     order = order_of(BesideOrder, arguments)
     with share_reporter(arguments.json) as report:
         added = found_film(
-            session, path, arguments.video, order, report, calibration=arguments.calibration
+            session,
+            path,
+            arguments.video,
+            order,
+            report,
+            calibration=arguments.calibration,
+            taken=order_of(FilmTaken, arguments),
         )
     lines = tuple(line for line in _lines(session, added) if line)
     return Change(lambda: added.saved(path), lines, _facts(added))

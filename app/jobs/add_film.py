@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.document.new import new_session
+from keypose.app.editor.camera import as_taken
 from keypose.app.editor.documents import seen_as_before
 from keypose.app.editor.drafted import KEYPOINT_SOURCE
 from keypose.app.jobs.film_session import people_seen
 from keypose.app.orders.film import BesideOrder
+from keypose.app.orders.tracking import FilmTaken, said
 from keypose.app.words.films import aside_deg
 from keypose.app.words.people import NOBODY, several_words
 from keypose.tracker.body.skeleton import Skeleton
@@ -43,7 +45,9 @@ from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoint
 from keypose.tracker.tracking.pool import Cancelled, never
 from keypose.tracker.video import Video
 
+AS_IN_ITS_FILE = FilmTaken()
 MOST_FILMS = 8
+"""Of one motion."""
 MOST_MOVED_DEG = 15.0
 """A calibration that is off by more is of another setup; the published one of four cameras that
 misses its own films is off by 2°."""
@@ -101,21 +105,30 @@ def found_film(
     report: Callable[[float], None] = lambda share: None,
     cancelled: Callable[[], bool] = never,
     calibration: Path | None = None,
+    taken: FilmTaken = AS_IN_ITS_FILE,
 ) -> AddedFilm:
     """A film that shows the motion of a session; no file is written.
 
-    path: of the film.  calibration: a file of several cameras, both films' among them.
+    path: of the film.  calibration: a file of several cameras, both films' among them.  taken: how
+        it was taken, where its file does not say so.
     report: receives the share that is done.  Cancelled, or KeyposeError in one sentence where it
     cannot be read, shows nobody, or nothing that the first shows.
     """
     _require_room(session)
-    with open_video_of(session, session_path) as first, Video.open(path) as video:
-        view = _begun_view(session, session_path, video)
+    deinterlace = said(taken).get("deinterlace", True)
+    with (
+        open_video_of(session, session_path) as first,
+        Video.open(path, deinterlace=deinterlace) as video,
+    ):
+        view = _begun_view(session, session_path, video, taken)
         first_keypoints = _keypoints_of_first(session, session_path, first, cancelled)
         report(0.2)
         box, at = _box(order, video)
         film_keypoints, network = _detected(session, view, video, box, at, report, cancelled)
-        rates = first.info.fps, video.info.fps
+        rates = (
+            session.view.video.recorded_fps or first.info.fps,
+            view.video.recorded_fps or video.info.fps,
+        )
     both = first_keypoints, film_keypoints
     pairs = [None] if calibration is None else calibrated_pairs(calibration, session.view, view)
     tried = [
@@ -245,18 +258,27 @@ def _require_room(session: Session) -> None:
         raise SessionError(
             "Where another film's camera stands is found from a person: this body is none."
         )
+    if session.camera_path is not None or session.has_unknown_motion:
+        raise SessionError(
+            "The first film's camera moves: films are added to one whose camera stands still."
+        )
     if len(session.views) >= MOST_FILMS:
         raise SessionError(f"The session has {MOST_FILMS} films already, which are the most.")
 
 
-def _begun_view(session: Session, session_path: Path, video: Video) -> View:
+def _begun_view(session: Session, session_path: Path, video: Video, taken: FilmTaken) -> View:
     """The view of a film, before anything is known of where it stands."""
-    view = new_session(video, session_path).view
+    view = as_taken(new_session(video, session_path), said(taken)).view
+    if view.video.stands_still is False:
+        raise SessionError(
+            f"The camera of {video.info.path.name} moves: a film beside another needs one that "
+            "stands still."
+        )
     fingerprints = [each.video.fingerprint for each in session.views]
     if view.video.fingerprint and view.video.fingerprint in fingerprints:
         raise SessionError("This film is in the session already.")
-    taken = {each.id for each in session.views}
-    number = next(n for n in range(2, MOST_FILMS + 2) if f"film-{n}" not in taken)
+    ids = {each.id for each in session.views}
+    number = next(n for n in range(2, MOST_FILMS + 2) if f"film-{n}" not in ids)
     return view.model_copy(update={"id": f"film-{number}"})
 
 

@@ -38,12 +38,12 @@ class Sightings:
     def of(cls, keypoints: Keypoints, camera: Camera, frame_count: int) -> Sightings:
         """What a film's keypoints show at each of its frames."""
         over = keypoints.over(0, frame_count - 1)
-        index = [over.names.index(name) for name in JOINTS]
-        xy = camera.back_project(over.uv[:, index], 1.0)[..., :2]
-        visibility = np.where(np.isfinite(xy).all(axis=-1), over.visibility[:, index], 0.0)
+        uv, seen_by = joints_in(over, over.uv), joints_in(over, over.visibility)
+        xy = camera.back_project(uv, 1.0)[..., :2]
+        visibility = np.where(np.isfinite(xy).all(axis=-1), np.nan_to_num(seen_by), 0.0)
         p_hips = np.full((*xy.shape[:2], 3), np.nan)
         if over.p_hips is not None:
-            p_hips = over.p_hips[:, index]
+            p_hips = joints_in(over, over.p_hips)
         return cls(xy, visibility, SIGMA_SHARE * _height(xy, p_hips, visibility), p_hips)
 
     def __len__(self) -> int:
@@ -66,6 +66,15 @@ class Sightings:
     def seen(self) -> NDArray[np.bool_]:
         """(N,) whether enough of the body is seen to tell how it stands."""
         return np.asarray((self.visibility > SURE).sum(axis=-1) >= FEWEST_SEEN)
+
+
+def joints_in(keypoints: Keypoints, values: Array) -> Array:
+    """(N, J, …) of `JOINTS` among values (N, L, …) of keypoints; NaN of those that it has not."""
+    joints = np.full((len(values), len(JOINTS), *values.shape[2:]), np.nan)
+    for number, name in enumerate(JOINTS):
+        if name in keypoints.names:
+            joints[:, number] = values[:, keypoints.names.index(name)]
+    return joints
 
 
 SURE = 0.5

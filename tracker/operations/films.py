@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from keypose.tracker.films.mend import SeenInFilm
+from keypose.tracker.films.sightings import joints_in
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import sampled
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.views import View
 from keypose.tracker.storage.files import open_video_of
@@ -104,10 +105,9 @@ def seen_in_films(
         if view.id not in keypoints or not inside:
             continue
         over = keypoints[view.id].over(0, view.video.frame_count - 1)
-        index = [over.names.index(name) for name in JOINTS]
         camera = alone.film_camera.at(round(float(own[0])))
-        uv = sampled(over.uv[:, index], own)[0]
-        visibility = np.nan_to_num(sampled(over.visibility[:, index], own)[0])
+        uv = sampled(joints_in(over, over.uv), own)[0]
+        visibility = np.nan_to_num(sampled(joints_in(over, over.visibility), own)[0])
         ideal = camera.without_distortion()
         uv = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
         T = np.eye(4) if is_first else _between(session, alone, view, moment, own, False)[0]

@@ -326,7 +326,7 @@ class Session(Plain):
 
     def alone(self, view_id: str) -> Self:
         """The same about one of its views alone, as if that were the first; KeyError where there
-        is no such view."""
+        is no such view. What was chosen of the first camera says nothing of another."""
         chosen = next((view for view in self.views if view.id == view_id), None)
         if chosen is None:
             raise KeyError(view_id)
@@ -334,7 +334,9 @@ class Session(Plain):
             return self.model_copy(update={"views": (chosen,)})
         placed = dict.fromkeys(("clock", "placed"))
         there = {**placed, "R_camera_world_wxyz": AT_REST, "p_camera_world": (0.0, 0.0, 0.0)}
-        return self.model_copy(update={"views": (chosen.model_copy(update=there),)})
+        settings = self.settings.model_copy(update={"static_camera": None})
+        views = (chosen.model_copy(update=there),)
+        return self.model_copy(update={"views": views, "settings": settings})
 
     def with_body(self, subject: TrackedBody) -> Self:
         """The same with another state of one of its bodies, known by its id."""

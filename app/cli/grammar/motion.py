@@ -92,6 +92,7 @@ def add_add_film(commands: Subcommands) -> None:
         "video", metavar="FILM", type=file_name, help="video file or folder of images"
     )
     add_order(command, BesideOrder)
+    add_order(command, FilmTaken)
     command.add_argument(
         "--calibration",
         metavar="FILE",

@@ -9,6 +9,7 @@ from threading import Event
 from typing import Any
 
 import av
+import cv2
 import numpy as np
 import pytest
 
@@ -67,14 +68,17 @@ MIDDLE = np.median(JOINTS_M.reshape(-1, 3), axis=0)
 T_SIDE = transform(R_SIDE, MIDDLE - R_SIDE @ MIDDLE + np.array([0.3, 0.1, 0.4]))
 
 
-def write_video(path: Path, frames: int, seed: int) -> Path:
-    """Noise, which nothing can be followed in."""
+def write_video(path: Path, frames: int, seed: int, *, moves: bool = False) -> Path:
+    """A wall before a camera that stands still, or shakes: nobody is to be seen."""
     rng = np.random.default_rng(seed)
+    wall = rng.integers(0, 255, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
+    wall = cv2.resize(wall[::4, ::4], SIZE)
     with av.open(path, "w") as file:
         stream = file.add_stream("libx264", rate=30)
         stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
         for _ in range(frames):
-            picture = rng.integers(0, 255, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
+            shift = tuple(rng.integers(-12, 13, 2).tolist()) if moves else (0, 0)
+            picture = np.roll(wall, shift, axis=(0, 1))
             file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, "rgb24")))
         file.mux(stream.encode())
     return path
@@ -427,6 +431,21 @@ def test_the_same_film_twice_is_refused(
     for film in (side, tmp_path / "front.mp4"):
         assert main(["add-film", str(path), str(film), *FROM_THE_SIDE]) == 2
         assert capsys.readouterr().err == "This film is in the session already.\n"
+
+
+def test_a_film_of_a_camera_that_moves_is_refused(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    write_video(side, len(JOINTS_M) - 8, 2, moves=True)
+    assert main(["add-film", str(path), str(side), *FROM_THE_SIDE]) == 2
+    assert "The camera of side.mp4 moves" in capsys.readouterr().err
+
+
+def test_of_slow_motion_the_rate_is_said(tmp_path: Path, side: Path) -> None:
+    other = added(begun(tmp_path), side, "--begins", "3.4", "--recorded-fps", "60").views[1]
+    assert other.clock is not None
+    assert other.clock.rate == 2.0
 
 
 def test_of_a_thing_no_camera_is_found(
