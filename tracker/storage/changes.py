@@ -7,14 +7,15 @@ an edit: no person made them.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias, get_type_hints
+from typing import Annotated, Any, Final, TypeAlias, get_type_hints
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.session.counts import require_few
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
-from keypose.tracker.session.schema import OWNERS, PART_OF, Session, require_fit
+from keypose.tracker.session.schema import MOST_VIEWS, OWNERS, PART_OF, Session, require_fit
+from keypose.tracker.session.views import View
 
 Changes: TypeAlias = dict[str, Any]
 """New values by the session's fields; of those listed: {"set": [...], "drop": [frames]}."""
@@ -29,6 +30,10 @@ LISTED: Mapping[str, TypeAdapter[Any]] = {
 _AS_NOW = {"up_camera": "up_world"}
 """What fields were called in journals of older versions, and what they are now."""
 FIELDS = tuple(name for name in PART_OF if name not in ("schema_version", "results"))
+
+FILMS: Final = "films"
+"""The views after the first, among changes: {"set": [those that differ], "ids": [of all]}."""
+_FILMS = TypeAdapter(Annotated[tuple[View, ...], Field(max_length=MOST_VIEWS)])
 
 _VALUES: dict[str, TypeAdapter[Any]] = {
     name: TypeAdapter(get_type_hints(OWNERS[PART_OF[name]], include_extras=True)[name])
@@ -45,7 +50,7 @@ def changes(before: Session, after: Session) -> Changes:
         if now is was or now == was:
             continue
         changed_fields[name] = _listed(was, now) if name in LISTED else _plain(name, now)
-    return changed_fields
+    return changed_fields | _changed_films(before, after)
 
 
 def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
@@ -54,7 +59,7 @@ def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
     Every value is validated by itself; whether all fit together is for the caller to check.
     """
     change = {_AS_NOW.get(name, name): value for name, value in change.items()}
-    unknown = sorted(set(change) - set(FIELDS))
+    unknown = sorted(set(change) - {*FIELDS, FILMS})
     if unknown:
         raise ValueError(f"a change of {unknown[0]!r}, which a session does not have")
     new = {
@@ -62,8 +67,10 @@ def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
         if name in LISTED
         else _VALUES[name].validate_python(value)
         for name, value in change.items()
+        if name != FILMS
     }
-    return before.changed(new) if new else before
+    after = before.changed(new) if new else before
+    return _with_films(after, change[FILMS]) if FILMS in change else after
 
 
 def require_sound(before: Session, after: Session) -> None:
@@ -87,6 +94,8 @@ def _require_valid(name: str, value: Any) -> None:
     try:
         if name in LISTED:
             LISTED[name].validate_python(value["set"])
+        elif name == FILMS:
+            _FILMS.validate_python(value["set"])
         else:
             _VALUES[name].validate_python(value)
     except ValidationError as error:
@@ -96,6 +105,26 @@ def _require_valid(name: str, value: Any) -> None:
 
 def _plain(name: str, value: Any) -> Any:
     return _VALUES[name].dump_python(value, mode="json")
+
+
+def _changed_films(before: Session, after: Session) -> Changes:
+    """What differs of the views after the first; empty where nothing does."""
+    was, now = ({view.id: view for view in each.views[1:]} for each in (before, after))
+    fresh = [view for id, view in now.items() if was.get(id) is not view and was.get(id) != view]
+    if not fresh and list(was) == list(now):
+        return {}
+    return {FILMS: {"set": [view.model_dump(mode="json") for view in fresh], "ids": list(now)}}
+
+
+def _with_films(session: Session, change: Any) -> Session:
+    if not isinstance(change, dict) or change.keys() != {"set", "ids"}:
+        raise ValueError("films that are not set by their ids")
+    there = {view.id: view for view in session.views[1:]}
+    there |= {view.id: view for view in _FILMS.validate_python(change["set"])}
+    if not set(change["ids"]) <= set(there):
+        raise ValueError("the id of a film that is not there")
+    films = tuple(there[id] for id in change["ids"])
+    return session.model_copy(update={"views": (session.view, *films)})
 
 
 def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
