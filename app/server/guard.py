@@ -45,7 +45,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
     for path, names in (
         (r"/", {TOKEN, SESSION}),
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
-        (r"/frame/\d+\.jpg", {"v", "shrink"}),
+        (r"/(?:frame|film/[a-z0-9_-]+)/\d+\.jpg", {"v", "shrink"}),
         (r"/picture\.png", said_by_page(PicturesOrder)),
         (r"/motion", {"format"} | said_by_page(MotionOrder)),
         (r"/upload|/imports", {"name"}),

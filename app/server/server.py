@@ -33,7 +33,7 @@ from keypose.app.server.outputs import Outputs
 from keypose.app.server.page_files import PageFiles
 from keypose.app.server.routes import LibraryRoutes
 from keypose.app.server.surfaces import Surfaces
-from keypose.app.store.sections import image_version
+from keypose.app.store.sections import film_version, image_version
 from keypose.app.store.store import Store
 from keypose.app.store.tabs import Tab
 from keypose.tracker.errors import KeyposeError
@@ -94,6 +94,7 @@ class Server:
                 WebSocketRoute("/view/{role}", self._view_socket),
                 Route("/view/{role}", self._view),
                 Route("/frame/{index:int}.jpg", self._frame),
+                Route("/film/{view}/{index:int}.jpg", self._film_frame),
                 *self._outputs.routes(),
                 *self._exports.routes(),
                 *self._imports.routes(),
@@ -155,11 +156,23 @@ class Server:
                 content = await frames.jpeg(index, edit.doc.view.camera, version, shrink)
         except KeyposeError as error:
             return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
-        kept = "private, max-age=31536000, immutable"
-        if request.query_params.get("v") != version:  # asked for before lens or video changed
-            kept = "no-store"
-        headers = {**headers_for("data"), "Cache-Control": kept}
-        return Response(content, media_type="image/jpeg", headers=headers)
+        return _picture(request, content, version)
+
+    async def _film_frame(self, request: Request) -> Response:
+        """The same of another film."""
+        edit, films = self.store.app_state.edit, self.store.films
+        index = request.path_params["index"]
+        shrink = SHRINKS.get(request.query_params.get("shrink", "1"))
+        views = () if edit is None else edit.doc.views[1:]
+        view = next((each for each in views if each.id == request.path_params["view"]), None)
+        is_there = view is not None and index < view.video.frame_count
+        if edit is None or films is None or shrink is None or view is None or not is_there:
+            return PlainTextResponse("There is no such frame.\n", 404, headers_for("data"))
+        try:
+            content = await films.jpeg(edit.doc, view, index, shrink)
+        except KeyposeError as error:
+            return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
+        return _picture(request, content, film_version(view))
 
     # --- sockets
 
@@ -190,6 +203,14 @@ class Server:
                 traceback.print_exc()
         else:
             self.store.receive(tab, message)
+
+
+def _picture(request: Request, content: bytes, version: str) -> Response:
+    """A picture that a browser keeps, unless it was asked for before lens or video changed."""
+    is_present = request.query_params.get("v") == version
+    kept = "private, max-age=31536000, immutable" if is_present else "no-store"
+    headers = {**headers_for("data"), "Cache-Control": kept}
+    return Response(content, media_type="image/jpeg", headers=headers)
 
 
 def _uvicorn(guard: Guard) -> uvicorn.Server:

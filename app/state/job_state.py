@@ -7,7 +7,9 @@ from typing import Literal, TypeAlias
 
 from keypose.tracker.session.verdict import Kind as VerdictKind
 
-Kind: TypeAlias = Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts", "camera"]
+Kind: TypeAlias = Literal[
+    "track", "fit", "draft", "ahead", "reduce", "space", "drafts", "camera", "film"
+]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from keypose.app.editor import actions
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.render.video_frames import Frames
 from keypose.app.state.app_state import OpenedFile
+from keypose.app.store.other_films import OtherFilms
 from keypose.app.store.saving import SessionWriter
 from keypose.app.working.examining import Examiner
 from keypose.app.working.owner import StateOwner
@@ -46,6 +47,7 @@ class Opener:
         self._examiner: Examiner | None = None
         self.opened: OpenSession | None = None
         self.frames: Frames | None = None
+        self.films: OtherFilms | None = None
 
     async def open_named(self, action: actions.Open) -> None:
         """Open what the library knows by a name; an upload that is no video is discarded."""
@@ -88,6 +90,7 @@ class Opener:
                 raise
             self._writer.begin(opened, edit)
             self.opened, self.frames = opened, Frames(opened.video)
+            self.films = OtherFilms(opened.session_path)
             self._host.session_opened(opened, _opened_file(opened, film), edit)
             if self._writer.lock.is_elsewhere:
                 self._looking = self._loop.create_task(self._look_until_free(opened))
@@ -175,12 +178,15 @@ class Opener:
             self._looking.cancel()
         self._looking = None
         opened, frames, examiner = self.opened, self.frames, self._examiner
-        self.opened = self.frames = self._warned = self._examiner = None
+        films = self.films
+        self.opened = self.frames = self.films = self._warned = self._examiner = None
         self._host.session_closed()
         if examiner is not None:
             await asyncio.to_thread(examiner.close)
         if frames is not None:
             frames.close()
+        if films is not None:
+            await films.close()
         if opened is not None:
             await asyncio.to_thread(opened.video.close)
 

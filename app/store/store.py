@@ -43,6 +43,7 @@ from keypose.app.store.faults import Fault, Faults
 from keypose.app.store.guide import guide_after
 from keypose.app.store.imported import ImportOutcome, ImportTarget, with_import
 from keypose.app.store.opener import Opener
+from keypose.app.store.other_films import OtherFilms
 from keypose.app.store.proposals import Proposals
 from keypose.app.store.saving import SessionWriter
 from keypose.app.store.sections import PLACES, Sections
@@ -141,6 +142,11 @@ class Store:
     def frames(self) -> Frames | None:
         """The pictures of what is open."""
         return self._opener.frames
+
+    @property
+    def films(self) -> OtherFilms | None:
+        """The pictures of the other films of what is open."""
+        return self._opener.films
 
     # --- tabs
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
 from keypose.tracker.geometry.rotations import Array, transpose
-from keypose.tracker.operations.mend_keyframes import MendedKeyframes
 from keypose.tracker.session import Session
 from keypose.tracker.session.views import View
+
+if TYPE_CHECKING:
+    from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
+    from keypose.tracker.operations.mend_keyframes import MendedKeyframes
 
 OPPOSITE_DEG: Final = 150.0
 """Cameras from there on share a blind axis."""

@@ -6,6 +6,7 @@ import { words } from '../store/clip.js';
 import { ANGLES, DRAGGING, TOOLS, VIEW } from './table/view.js';
 import { CAMERA } from './table/camera.js';
 import { EXPORT, MOTION } from './table/export.js';
+import { FILMS } from './table/films.js';
 import { FRAMES } from './table/frames.js';
 import { HISTORY, SESSION, THEME } from './table/session.js';
 import { KEYFRAMES, NOTES, PINS } from './table/keyframes.js';
@@ -18,7 +19,7 @@ const FILE = { ...SESSION, ...MOTION, ...EXPORT, ...THEME };
 export const GROUPS = [
   { title: () => 'Frames', actions: { ...FRAMES, ...NOTES } },
   { title: () => 'Pose', actions: { ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS } },
-  { title: () => words().verb, actions: { ...TRACK, ...REVIEW, ...CAMERA } },
+  { title: () => words().verb, actions: { ...TRACK, ...REVIEW, ...CAMERA, ...FILMS } },
   { title: () => 'Tools', actions: TOOLS },
   { title: () => 'Views', actions: { ...VIEW, ...ANGLES } },
   { title: () => 'While dragging', actions: DRAGGING },
@@ -35,6 +36,7 @@ export const ACTIONS = {
   ...TRACK,
   ...REVIEW,
   ...CAMERA,
+  ...FILMS,
   ...TOOLS,
   ...VIEW,
   ...ANGLES,

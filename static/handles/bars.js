@@ -25,6 +25,7 @@ import { partNamed } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { onViews, view as viewNamed, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { drawBoxAt } from './box.js';
+import { filmCards, mountFilms } from './films.js';
 import { isHandleCoveredBy } from './floating.js';
 import { displaybar, mountOrbitHint, onSlide, orbitHint, tintbar, toolbar } from './displaybar.js';
 import { interaction, onInteraction } from './interaction.js';
@@ -232,7 +233,20 @@ export function notebar() {
 }
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'damage', 'surface', 'body', 'view', 'pose', 'keys', 'segments', 'draft', 'undo', 'notes'];
+const SECTIONS = [
+  'file',
+  'damage',
+  'surface',
+  'films',
+  'body',
+  'view',
+  'pose',
+  'keys',
+  'segments',
+  'draft',
+  'undo',
+  'notes',
+];
 
 const host = document.createElement('div');
 
@@ -257,9 +271,11 @@ export function mountBars() {
       'u:tab',
       'u:menu',
       'u:orbited',
+      'u:filmLarge',
     ],
     draw,
   );
+  mountFilms(draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);
@@ -280,7 +296,8 @@ function draw() {
 const stays = ({ id }) => id === 'mdraft' || (id === 'mhint' && Boolean(drawingTool()?.done));
 
 function bars() {
-  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${draftbar()}${notebar()}${footbars()}`;
+  const atTop = [headbar(), toolbar(), displaybar(), tintbar(), damagebar(), draftbar()];
+  return html`${atTop}${[notebar(), filmCards(), footbars()]}`;
 }
 
 /** What is wrong with the picture, where its frame is damaged. */

@@ -52,7 +52,7 @@ function boxIn(view, element) {
  * @param {number[]} at
  * @param {number} margin
  */
-const FLOATING = '.bars > .glass, .toast, .banner, .coach';
+const FLOATING = '.bars > .glass, .films > .glass, .toast, .banner, .coach';
 const WHOLE = '.coach.film, .coach.large';
 const HOLE = 13; // px about a handle
 const ROUND = 12; // px, the radius of its corners
@@ -102,6 +102,14 @@ function peopleInWindow() {
 function gridOf([left, top, right, bottom]) {
   const at = [0, 1, 2, 3, 4].map((i) => i / 4);
   return at.flatMap((u) => at.map((v) => [left + u * (right - left), top + v * (bottom - top)]));
+}
+
+/** Places on the cards of other films. */
+function filmsInWindow() {
+  return [...document.querySelectorAll('.films > .film')].flatMap((element) => {
+    const { left, top, right, bottom } = element.getBoundingClientRect();
+    return gridOf([left, top, right, bottom]);
+  });
 }
 
 /** Every handle that can be grabbed now, in pixels of the window. */
@@ -189,7 +197,7 @@ function placeMessages(handles) {
   if (!stack) return;
   if (stack.childElementCount === 0 || !server.file) return leavePlace(stack);
   if (stack.matches(':hover, :focus-within') || document.documentElement.dataset.pressed) return;
-  const spots = [...handles, ...peopleInWindow()];
+  const spots = [...handles, ...peopleInWindow(), ...filmsInWindow()];
   const frame = viewNamed(largeView()).el.getBoundingClientRect();
   stack.style.maxWidth = `${frame.width - 2 * EDGE}px`;
   const now = stack.dataset.place;

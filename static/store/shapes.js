@@ -64,6 +64,34 @@
  * @property {string} image_version
  */
 
+/**
+ * @typedef {object} FilmLens  Of a film's rectified pictures.
+ * @property {number} width
+ * @property {number} height
+ * @property {number} fx
+ * @property {number} fy
+ * @property {number} cx
+ * @property {number} cy
+ * @property {string} projection
+ * @property {number | null} telephoto_distance_m
+ */
+
+/**
+ * @typedef {object} Film  Another film of the same motion.
+ * @property {string} id
+ * @property {string} name
+ * @property {number} frames
+ * @property {number | null} frame  Its own at the present frame; null beyond its ends.
+ * @property {number} begins  The frame of the first film, with its fraction, at which it begins.
+ * @property {number} rate  Frames of it per frame of the first film.
+ * @property {number | null} sigma  Of `begins`, frames; null where somebody set it.
+ * @property {number[]} also  Where it may begin as well.
+ * @property {string} words
+ * @property {FilmLens} camera
+ * @property {number[]} T  From the first camera's frame, as it is at the present frame, to its own: three rows of four.
+ * @property {string} image_version
+ */
+
 /** @typedef {{ id: string, label: string, title: string, low: string, high: string, off: string }} Tint */
 
 /**
@@ -500,7 +528,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'camera' | 'space' | 'drafts'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'camera' | 'space' | 'drafts' | 'film'} kind
  * @property {'good' | 'check' | 'lost' | null} worst  The verdict of its worst segment, once it has tracked some.
  */
 
@@ -532,6 +560,7 @@
  * @typedef {object} Sections  The newest of each section; null while nothing is open.
  * @property {File | null} file
  * @property {Camera | null} camera
+ * @property {Film[]} films  The views after the first.
  * @property {Surface | null} surface
  * @property {SmallViews | null} views  Of the camera at the present frame.
  * @property {CameraMotion | null} camera_motion  Null where the camera stands still or nobody looked.
@@ -664,6 +693,7 @@
  * @property {string | null} [keypointHover]  The joint that is pointed at in the list.
  * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
+ * @property {string | null} [filmLarge]  The other film that is enlarged.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {number} [unreadable]  The frame that turned out last to have no picture.
  * @property {boolean} [placeSeen]  Whether the frame of the place that is reviewed is on the screen.

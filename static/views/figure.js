@@ -58,14 +58,13 @@ export const whyPainted = () => (ui.flat ? 'WebGL is off' : '');
  * @param {import('./view.js').View} view
  */
 export function paintFigure(ctx, view) {
-  const { pose, solids, body } = server;
-  if (!pose || !solids || !body || !server.view || !server.camera) return false;
+  const { pose, solids } = server;
+  if (!pose || !solids || !server.body || !server.view || !server.camera) return false;
   const project = (p) => view.project(p);
   const isParallel = server.camera.projection === 'telephoto';
   const seen = (of, T) => outlined(of, T, project, isParallel);
-  const looks = Object.fromEntries(body.parts.map(({ name, side }) => [name, lookOf(name, side)]));
   const parts = [
-    ...seen(solids, pose.T).map((part) => ({ ...part, paint: () => paintPart(ctx, part, looks[part.name]) })),
+    ...inLooks(ctx, seen(solids, pose.T)),
     ...(server.ghosts ?? []).flatMap(({ T }, i) =>
       seenThrough(seen(solids, T), css(GHOSTS[i], GHOST_OPACITY), GHOST_PX),
     ),
@@ -78,6 +77,34 @@ export function paintFigure(ctx, view) {
   function seenThrough(outlines, colour, width) {
     return outlines.map((part) => ({ ...part, paint: () => paintLines(ctx, part, colour, width) }));
   }
+}
+
+/**
+ * Paint the body alone as another camera sees it; whether there was one.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {import('./painting.js').Project} project
+ * @param {number[]} T_film_camera  Three rows of four.
+ * @param {boolean} isParallel
+ */
+export function paintBody(ctx, project, T_film_camera, isParallel) {
+  const { pose, solids, body, view } = server;
+  if (!pose || !solids || !body || !view) return false;
+  const T = Object.fromEntries(Object.entries(pose.T).map(([name, each]) => [name, after(T_film_camera, each)]));
+  for (const { paint } of farthestFirst(inLooks(ctx, outlined(solids, T, project, isParallel)))) paint();
+  return true;
+}
+
+/** Parts of the body with how each is painted. @param {import('./painting.js').Outlined[]} parts */
+function inLooks(ctx, parts) {
+  const looks = Object.fromEntries(server.body.parts.map(({ name, side }) => [name, lookOf(name, side)]));
+  return parts.map((part) => ({ ...part, paint: () => paintPart(ctx, part, looks[part.name]) }));
+}
+
+/** One transform after another, each three rows of four. @param {number[]} A @param {number[]} B */
+function after(A, B) {
+  return [0, 4, 8].flatMap((row) =>
+    [0, 1, 2, 3].map((k) => A[row] * B[k] + A[row + 1] * B[4 + k] + A[row + 2] * B[8 + k] + (k === 3 ? A[row + 3] : 0)),
+  );
 }
 
 /** @returns {import('./painting.js').Look} */

@@ -7,6 +7,7 @@ import { ACTIONS } from '../../static/actions/table.js';
 server.file = { frames: 60, id: '0123456789abcdef' };
 server.view = { frame: 4, selected: 'left_hand', mode: 'both' };
 server.keys = { frames: [0, 8], drafts: [] };
+server.films = [{ id: 'film-2', begins: 3.4, also: [31.5] }];
 ui.fitFocal = true;
 ui.box = [10, 20, 30, 80];
 const kept = { id: '0123456789ab', name: 'Sitting', fits: true };

@@ -28,6 +28,7 @@ from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
 from keypose.tracker.session.pins import Pin
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
+from tests.app.film_beside_cases import with_film
 from tests.app.store.test_sections import expecting, seen, some_errors
 from tests.tracker import panned_cases
 
@@ -145,6 +146,7 @@ def outlooks() -> dict[str, AppState]:
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
         "drafted": drafted(),
         "panned": panned(),
+        "two films": AppState(edit=desk().with_doc(with_film(desk().doc))),
     }
 
 
@@ -155,7 +157,11 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["film", "expecting", "dragged", "pinned", "masked", "surfaces", "drafted", "panned"]
+    "name",
+    [
+        *("film", "expecting", "dragged", "pinned", "masked", "surfaces", "drafted", "panned"),
+        "two films",
+    ],
 )
 def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
     shapes, sections = declared(), Sections().changed(outlooks()[name])

@@ -18,6 +18,7 @@ from keypose.app.store.sections import (
     body_values,
     camera_values,
     evidence_values,
+    film_values,
     motion_values,
     scene_values,
     space_values,
@@ -45,6 +46,10 @@ def _doc(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
         return (doc is None, *(_field(doc, name) for name in names))
 
     return parts
+
+
+def _other_films(doc: Session | None) -> tuple[Any, ...]:
+    return () if doc is None else doc.views[1:]
 
 
 def _settled(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
@@ -103,6 +108,7 @@ _TRACKED = _both(
         *("reviewed", "video", "camera_motion", "camera_keyframes"),
     ),
     _edit("results"),
+    lambda o: _other_films(o.edit.settled if o.edit else None),
 )
 
 
@@ -142,6 +148,14 @@ SECTIONS: dict[str, _Section] = {
             _tinted,
         ),
         scene_values.camera,
+    ),
+    "films": _Section(
+        _both(
+            _edit("frame"),
+            _before_camera,
+            lambda o: _other_films(o.edit.doc if o.edit else None),
+        ),
+        film_values.films,
     ),
     "surface": _Section(
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
@@ -256,7 +270,8 @@ PLACES: Mapping[str, str] = {
     **dict.fromkeys(("file", "camera", "up"), "the camera"),
     **dict.fromkeys(("camera_motion", "camera_here", "background"), "the camera"),
     **dict.fromkeys(("body", "solids", "before", "sizes_preview"), "the body"),
-    **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface", "people"), "the views"),
+    **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface"), "the views"),
+    **dict.fromkeys(("people", "films"), "the views"),
     **dict.fromkeys(
         (
             "keys",

@@ -119,6 +119,7 @@ def test_a_browser_that_was_let_in_gets_the_page_its_files_and_its_sockets() -> 
     assert ask("/").text == "inside"
     assert ask("/static/views/cameras.js").status == 200
     assert ask("/frame/17.jpg", "v=plain&shrink=2").status == 200
+    assert ask("/film/film-2/17.jpg", "v=plain&shrink=2").status == 200
     assert ask("/picture.png", "view=all&frames=3&style=both&opacity=50&tint=clay").status == 200
     assert ask("/picture.png", "view=orbit:52.5,20").status == 200
     assert ask("/motion", "format=bvh").status == 200
@@ -233,7 +234,15 @@ def test_the_cookie_alone_gets_what_browsers_ask_for_themselves_and_no_more() ->
     for path in ("/", "/static/views/cameras.js", "/thumb/ab12.jpg", "/view/main"):
         assert ask(path, x_keypose_key=None).status == 200
     assert ask("/view/top", socket=True, sec_websocket_protocol="viser-v1.1.1").accepted
-    for path in ("/frame/17.jpg", "/library", "/motion", "/picture.png", "/report.html", "/other"):
+    for path in (
+        "/frame/17.jpg",
+        "/film/film-2/17.jpg",
+        "/library",
+        "/motion",
+        "/picture.png",
+        "/report.html",
+        "/other",
+    ):
         assert refused(ask(path, x_keypose_key=None))
         assert refused(ask(path, x_keypose_key="guess"))
     assert refused(ask("/upload", "name=a.mp4", method="POST", x_keypose_key=None))
@@ -385,6 +394,8 @@ def _sha256(secret: bytes) -> bytes:
         ("/view/main", "server=1"),
         ("/view/main", "fixedDpr=1&fixedDpr=2"),
         ("/frame/1.jpg", "v=1&w=2"),
+        ("/film/film-2/1.jpg", "v=1&w=2"),
+        ("/film/../1.jpg", "v=1"),
         ("/static/page.js", "v=1"),
         ("/events", "token=1&a=2"),
         ("/", "token"),

@@ -30,7 +30,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import interpolate
-from keypose.tracker.errors import KeyposeError
+from keypose.tracker.errors import KeyposeError, VideoError
 from keypose.tracker.fitting.draft import ClipDraft
 from keypose.tracker.fitting.draft import Proposal as DraftProposal
 from keypose.tracker.fitting.sizes import Proposal, SizesFitted
@@ -43,6 +43,7 @@ from keypose.tracker.session.annotations import Stop
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.storage.sidecars import save_first_motion
 from keypose.tracker.tracking.ahead.follow import FoundAhead
+from keypose.tracker.video import Video
 from tests.app.jobs.job_cases import reported, segment_done
 from tests.app.store.test_store import _track
 from tests.app.working.test_fitting import Desk, Worker
@@ -69,6 +70,13 @@ OFTEN = (
     "live", "select",
 )  # fmt: skip
 """Drawn more often than others: after these much is another."""
+
+
+class WithoutFilm:
+    """What a job has at hand, but for the film."""
+
+    def video(self, *_: Any) -> Video:
+        raise VideoError("The film is not there.")
 
 
 @cache
@@ -218,7 +226,7 @@ class RandomEdits:
                 worker.report(Progress(number, 1.0, partial=solution(stretch)))
             worker.report(Finished(number))
         elif isinstance(job, ReduceMotion | StandOnFloor):
-            for report in reported(job, None):
+            for report in reported(job, WithoutFilm()):
                 worker.report(replace(report, job=number))
         else:
             found = self._found(job)

@@ -1,0 +1,57 @@
+// The other films of the motion: which one is meant, and when each was taken.
+
+import { openChooser } from '../controls/dialogs.js';
+import { isSurface } from '../store/clip.js';
+import { server, setUi, ui } from '../store/state.js';
+
+/** @typedef {import('../store/shapes.js').Film} Film */
+
+/** Decimals of the frame at which a film begins. */
+const DIGITS = 4;
+/** A clock is moved by so much of a frame while Shift is down. */
+export const FINE = 0.1;
+
+/** The films besides the first. @returns {Film[]} */
+export const films = () => server.films ?? [];
+
+/** The one that is meant where none is named: the enlarged one, else the first of them. */
+export const filmMeant = () => films().find(({ id }) => id === ui.filmLarge) ?? films()[0];
+
+/** Why no clock of a film can be moved, and none removed. */
+export const whyNoFilm = (film = filmMeant()) => (film ? '' : 'There is no other film');
+
+export function whyNotAddFilm() {
+  if (isSurface()) return 'Surfaces take no film beside them';
+  if (!server.file) return 'Open a video first';
+  if (!server.body?.is_persons) return 'A film is added to a person’s motion';
+  if (isAddingFilm()) return 'A film is being added';
+  return server.keys?.frames.length || server.keys?.drafts.length ? '' : 'Draft this film first, or pose a keyframe';
+}
+
+export const isAddingFilm = () => server.job?.state === 'running' && server.job.kind === 'film';
+
+export const chooseFilm = () => openChooser('film');
+
+/** A film's clock moved so that it begins at a frame of the first. */
+export const clockMessage = (film, begins) => ({
+  do: 'film_clock',
+  view: film?.id,
+  begins: Number(Number(begins).toFixed(DIGITS)),
+});
+
+/**
+ * Moved by so many steps.
+ * @param {number} steps
+ * @param {Film & { step?: number }} film  step: frames, where that is not one.
+ */
+export function clockBy(steps, film = filmMeant()) {
+  return clockMessage(film, (film?.begins ?? 0) + steps * (film?.step ?? 1));
+}
+
+/** "+3.4" */
+export const signed = (frames) => `${frames < 0 ? '−' : '+'}${Math.abs(frames).toFixed(1)}`;
+
+/** The film takes half of the view, or its corner again. */
+export function enlargeFilm(film = filmMeant()) {
+  setUi('filmLarge', ui.filmLarge === film.id ? null : film.id);
+}

@@ -1,0 +1,71 @@
+// The other films of the same motion.
+
+import { ui } from '../../store/state.js';
+import {
+  chooseFilm,
+  clockBy,
+  clockMessage,
+  enlargeFilm,
+  filmMeant,
+  signed,
+  whyNoFilm,
+  whyNotAddFilm,
+} from '../films.js';
+
+/** @typedef {import('./action.js').Action} Action */
+
+/** @satisfies {Record<string, Action>} */
+export const FILMS = {
+  addFilm: {
+    label: 'Add a film…',
+    icon: 'film',
+    also: 'second camera view multi-view multiview multiple angle video sync synchronise another',
+    title: 'Another film of the same motion. When it was taken and where its camera stands are found',
+    off: whyNotAddFilm,
+    run: chooseFilm,
+  },
+  filmEarlier: {
+    label: 'Film begins one frame earlier',
+    icon: 'sb',
+    also: 'sync offset clock second camera',
+    title: 'Begin one frame earlier. With Shift a tenth of a frame',
+    keys: ['Ctrl ,'],
+    row: 'Move the clock of the other film',
+    repeats: true,
+    off: whyNoFilm,
+    message: (film) => clockBy(-1, film),
+  },
+  filmLater: {
+    label: 'Film begins one frame later',
+    icon: 'sf',
+    also: 'sync offset clock second camera',
+    title: 'Begin one frame later. With Shift a tenth of a frame',
+    keys: ['Ctrl .'],
+    row: 'Move the clock of the other film',
+    repeats: true,
+    off: whyNoFilm,
+    message: (film) => clockBy(1, film),
+  },
+  filmBegins: {
+    label: (about) => `Begin at ${signed(about?.at ?? filmMeant()?.also[0] ?? 0)}`,
+    icon: 'repeat',
+    title: 'The motion repeats itself: the film may as well begin here',
+    off: (about = filmMeant()) => whyNoFilm(about) || (about.also.length ? '' : 'It begins nowhere else'),
+    message: (about = filmMeant()) => clockMessage(about, about?.at ?? about?.also[0] ?? 0),
+  },
+  enlargeFilm: {
+    label: (film = filmMeant()) => (film && ui.filmLarge === film.id ? 'Shrink the film' : 'Enlarge the film'),
+    icon: 'grow',
+    also: 'zoom second camera view',
+    off: whyNoFilm,
+    run: enlargeFilm,
+  },
+  removeFilm: {
+    label: 'Remove film',
+    icon: 'trash',
+    also: 'delete second camera view',
+    title: 'Remove the film from this session. Its file stays',
+    off: whyNoFilm,
+    message: (film = filmMeant()) => ({ do: 'remove_film', view: film?.id }),
+  },
+};

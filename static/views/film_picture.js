@@ -1,0 +1,163 @@
+// The picture of another film at the present moment, and over it the body as its camera sees it.
+
+import { server } from '../store/state.js';
+import { fetchOwn } from '../store/storage.js';
+import { cameraEye } from './cameras.js';
+import { paintBody } from './figure.js';
+
+/** @typedef {import('../store/shapes.js').Film} Film */
+
+/** Pictures that are kept of a film. */
+const MOST = 48;
+/** Pictures that are fetched at a time. */
+const MOST_LOADS = 2;
+/** How far ahead of the present one, and behind it, pictures are fetched: the nearest first. */
+const BESIDE = [1, 2, -1, 3];
+const SHRINKS = [4, 2];
+
+export class FilmPicture {
+  picture = Object.assign(document.createElement('canvas'), { className: 'vid' });
+  figure = Object.assign(document.createElement('canvas'), { className: 'figure' });
+  /** Why there is no picture, a sentence. */
+  why = '';
+
+  /** @type {Film} */
+  #film;
+  #version = '';
+  /** @type {Map<number, ImageBitmap>} */
+  #decoded = new Map();
+  #loading = new Set();
+  #changed;
+  #sizes = new ResizeObserver(() => this.paint());
+
+  /** @param {() => void} changed  Called when it is known why there is no picture, or again one. */
+  constructor(changed) {
+    this.#changed = changed;
+    this.picture.setAttribute('role', 'img');
+    this.#sizes.observe(this.figure);
+  }
+
+  /** Show what a film shows now. @param {Film} film */
+  follow(film) {
+    this.#film = film;
+    this.picture.ariaLabel = `Picture of ${film.name}`;
+    this.#show();
+    this.paint();
+  }
+
+  /** Forget all pictures. */
+  close() {
+    this.#sizes.disconnect();
+    this.#forget('');
+  }
+
+  /** Paint the body as it stands now. */
+  paint() {
+    if (!this.#film) return;
+    const { clientWidth: across, clientHeight: down } = this.figure;
+    const [width, height] = [across, down].map((px) => Math.round(px * devicePixelRatio));
+    if (!width || !height) return;
+    this.#show(); // in another size it may need more pixels
+    if (this.figure.width !== width || this.figure.height !== height) Object.assign(this.figure, { width, height });
+    const ctx = this.figure.getContext('2d');
+    const { camera, T, frame } = this.#film;
+    const scale = across / camera.width;
+    ctx.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    ctx.clearRect(0, 0, across, down);
+    const eye = cameraEye(camera);
+    const project = (p) => {
+      const [u, v, depth] = eye.project(p);
+      return [(u + 0.5) * scale, (v + 0.5) * scale, depth];
+    };
+    const isThere = frame !== null && paintBody(ctx, project, T, camera.projection === 'telephoto');
+    if (isThere) this.figure.dataset.frame = String(server.pose.frame);
+    else delete this.figure.dataset.frame;
+  }
+
+  #show() {
+    const address = this.#address(0);
+    if (address !== this.#version) this.#forget(address);
+    const { frame } = this.#film;
+    if (frame === null) return this.#blank('');
+    const bitmap = this.#decoded.get(frame);
+    if (bitmap) this.#draw(frame, bitmap);
+    this.#load();
+  }
+
+  /** Where a frame's picture comes from, with as many pixels as are seen. */
+  #address(frame) {
+    const { id, camera, image_version: version } = this.#film;
+    const seen = (this.figure.clientWidth || 1) * devicePixelRatio;
+    const shrink = SHRINKS.find((by) => camera.width / by >= seen) ?? 1;
+    return `/film/${encodeURIComponent(id)}/${frame}.jpg?v=${encodeURIComponent(version)}&shrink=${shrink}`;
+  }
+
+  #forget(version) {
+    for (const bitmap of this.#decoded.values()) bitmap.close();
+    this.#decoded.clear();
+    this.#loading.clear();
+    this.#version = version;
+  }
+
+  #blank(why) {
+    delete this.picture.dataset.frame;
+    if (why === this.why) return;
+    this.why = why;
+    this.#changed();
+  }
+
+  #draw(frame, bitmap) {
+    this.#decoded.delete(frame); // the newest used stand last
+    this.#decoded.set(frame, bitmap);
+    if (this.picture.dataset.frame === String(frame) && this.picture.width === bitmap.width) return;
+    Object.assign(this.picture, { width: bitmap.width, height: bitmap.height });
+    this.picture.getContext('2d').drawImage(bitmap, 0, 0);
+    this.picture.dataset.frame = String(frame);
+    if (this.why) {
+      this.why = '';
+      this.#changed();
+    }
+  }
+
+  /** Fetch the present picture, and then those beside it. */
+  #load() {
+    const { frame, frames } = this.#film;
+    if (frame === null) return;
+    const wanted = [0, ...(this.why ? [] : BESIDE)].map((step) => frame + step);
+    for (const each of wanted) {
+      if (this.#loading.size >= MOST_LOADS) return;
+      if (each >= 0 && each < frames && !this.#decoded.has(each) && !this.#loading.has(each)) this.#fetch(each);
+    }
+  }
+
+  async #fetch(frame) {
+    const version = this.#version;
+    this.#loading.add(frame);
+    let isThere = false;
+    try {
+      const answer = await fetchOwn(this.#address(frame));
+      const bitmap = answer.ok ? await createImageBitmap(await answer.blob()) : null;
+      const words = answer.ok ? '' : (await answer.text()).trim();
+      if (version !== this.#version) return void bitmap?.close();
+      isThere = bitmap !== null;
+      if (bitmap) this.#keep(frame, bitmap);
+      else if (frame === this.#film.frame) this.#blank(words);
+    } catch {
+      // The connection is lost, which is said elsewhere.
+    } finally {
+      if (version === this.#version) this.#loading.delete(frame);
+    }
+    if (isThere) this.#load();
+  }
+
+  #keep(frame, bitmap) {
+    this.#decoded.set(frame, bitmap);
+    for (const [each, old] of this.#decoded) {
+      if (this.#decoded.size <= MOST) break;
+      if (each === this.#film.frame) continue;
+      this.#decoded.delete(each);
+      old.close();
+    }
+    if (frame === this.#film.frame) this.#draw(frame, bitmap);
+  }
+}
