@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeAlias, Union
 
 from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
@@ -109,6 +111,15 @@ class FindCamera(Message):
 
     do: Literal["find_camera"] = "find_camera"
     camera: Literal["static", "turns", "moves"] | None = None
+
+
+class AddFilm(Message):
+    """Another film of the motion, known by the library: when it was taken and where its camera
+    stands are found."""
+
+    do: Literal["add_film"] = "add_film"
+    kind: Literal["file", "upload"]
+    id: Annotated[str, Field(min_length=1, max_length=4096)]
 
 
 class Stand(Message):
@@ -291,6 +302,14 @@ class InsertPose(Message):
     mirrored: bool = False
 
 
+@dataclass(frozen=True)
+class FilmToAdd:
+    """What `AddFilm` asks for, once the library has found the file."""
+
+    path: Path
+    do: Literal["add_film"] = "add_film"
+
+
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
 Reducing: TypeAlias = Reduce | ApplyReduction | DiscardReduction
 Fitting: TypeAlias = (
@@ -302,6 +321,7 @@ Fitting: TypeAlias = (
     | FindUp
     | FindPeople
     | FindCamera
+    | AddFilm
     | Stand
     | TrackAhead
     | LookBefore

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.documents import seen_as_before
-from keypose.app.editor.drafted import KEYPOINT_SOURCE
+from keypose.app.jobs.adding_film import FoundFilm
 from keypose.app.jobs.film_session import people_seen
 from keypose.app.orders.film import BesideOrder
 from keypose.app.orders.tracking import FilmTaken, said
@@ -30,7 +30,7 @@ from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import Array, log_rotation, quaternion_wxyz, transpose
 from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.detectors import open_detector
-from keypose.tracker.keypoints.find_people import spread_frames
+from keypose.tracker.keypoints.find_people import PeopleInFilm, spread_frames
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
@@ -41,7 +41,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.views import Clock, Placed, View
 from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.files import open_video_of
-from keypose.tracker.storage.sidecars import keypoints_of_session, save_keypoints
+from keypose.tracker.storage.sidecars import keypoints_of_session
 from keypose.tracker.tracking.pool import Cancelled, never
 from keypose.tracker.video import Video
 
@@ -57,25 +57,36 @@ MOST_DRAFTS = 30
 """That are asked how far away a camera is; neighbouring ones know the same."""
 
 
+class WhoIsMeant(KeypointError):
+    """Whom to look at in a film is not known: nobody was found, or several.
+
+    people: None where nobody was.
+    """
+
+    def __init__(self, people: PeopleInFilm | None) -> None:
+        super().__init__(NOBODY if people is None else several_words(people))
+        self.people = people
+
+
 @dataclass(frozen=True, eq=False)
 class AddedFilm:
     """A film that was found to show the motion of a session.
 
-    session: with the film as its last view, which has no keypoints yet, and with mended keyframes.
-    keypoints, network, seed: what was seen of the person in it, by which network, and the frame at
-        which it was looked for first.
+    found: the session with the film, and with mended keyframes, and what was seen in the film.
     offset: when it was taken, and where its camera stands.  others: the other offsets that may be
         true.  mended: what became of the keyframes.  pair: of a calibration, where one was given.
     """
 
-    session: Session
-    keypoints: Keypoints
-    network: str
-    seed: int
+    found: FoundFilm
     offset: FoundOffset
     others: tuple[FoundOffset, ...]
     mended: MendedKeyframes
     pair: CalibratedPair | None = None
+
+    @property
+    def session(self) -> Session:
+        """With the film as its last view, which has no keypoints yet."""
+        return self.found.session
 
     @property
     def view(self) -> View:
@@ -83,18 +94,8 @@ class AddedFilm:
         return self.session.views[-1]
 
     def saved(self, session_path: Path) -> Session:
-        """The session, not yet saved, with the film's keypoints, which are written beside its
-        file."""
-        alone = save_keypoints(
-            self.session.alone(self.view.id),
-            session_path,
-            self.keypoints,
-            KEYPOINT_SOURCE,
-            network=self.network,
-            seeds=(self.seed,),
-        )
-        view = self.view.model_copy(update={"keypoints": alone.view.keypoints})
-        return self.session.model_copy(update={"views": (*self.session.views[:-1], view)})
+        """As of `FoundFilm`."""
+        return self.found.saved(session_path)
 
 
 def found_film(
@@ -166,9 +167,8 @@ def found_film(
             "add one that was taken from the side."
         )
     mended = mend_keyframes(after, {session.view.id: first_keypoints, view.id: film_keypoints})
-    return AddedFilm(
-        mended.session, film_keypoints, network, at, best, tuple(others), mended, laid.pair
-    )
+    film = FoundFilm(mended.session, film_keypoints, network, at, "")
+    return AddedFilm(film, best, tuple(others), mended, laid.pair)
 
 
 @dataclass(frozen=True, eq=False)
@@ -325,10 +325,8 @@ def _box(order: BesideOrder, video: Video) -> tuple[Box, int]:
     if order.box is not None:
         return order.box, order.frame or 0
     people = people_seen(video, spread_frames(0, video.info.frame_count - 1))
-    if people is None:
-        raise KeypointError(NOBODY)
-    if len(people.people) > 1:
-        raise KeypointError(several_words(people))
+    if people is None or len(people.people) > 1:
+        raise WhoIsMeant(people)
     return people.people[0].box, people.frame
 
 

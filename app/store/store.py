@@ -378,11 +378,18 @@ class Store:
                 return
             self._proposals.require_none()
             self._edit_to(end_stroke(self._app_state.edit))
-            if isinstance(action, actions.Track):
+            if isinstance(action, actions.AddFilm):
+                self._in_background(self._add_film(action, self.opened))
+            elif isinstance(action, actions.Track):
                 self._set(edit=self._app_state.edit.with_proposals_anew())
                 self._segments.track(action.what, action.frames)
             else:
                 self._fitter.ask(action)
+
+    async def _add_film(self, action: actions.AddFilm, opened: OpenSession) -> None:
+        path = await asyncio.to_thread(self._library.find, action.kind, action.id)
+        if self.opened is opened:
+            self._fitter.ask(actions.FilmToAdd(path))
 
     def take(self, after: AppState) -> None:
         """Go on from what a job, or the answer to it, made of the state."""

@@ -13,6 +13,7 @@ from keypose.tracker.session.views import View
 
 if TYPE_CHECKING:
     from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
+    from keypose.tracker.keypoints.find_people import PeopleInFilm
     from keypose.tracker.operations.mend_keyframes import MendedKeyframes
 
 OPPOSITE_DEG: Final = 150.0
@@ -97,6 +98,16 @@ def mended_words(mended: MendedKeyframes) -> str:
     middle = 100 * float(np.median(list(mended.moved_m.values())))
     noun = "1 keyframe was" if count == 1 else f"{count} keyframes were"
     return f"{noun} mended by what all films show, by {middle:.0f} cm in the median."
+
+
+def whom_words(people: PeopleInFilm | None, name: str) -> str:
+    """Why a film cannot be added where nobody is found in it, None, or several people are."""
+    if people is None:
+        return f"No person was found in {name}."
+    return (
+        f"{len(people.people)} people are to be seen in {name} at frame {people.frame}: add it by "
+        "`keypose add-film`, whose --box says who is meant."
+    )
 
 
 def place_of(view: View) -> Array:

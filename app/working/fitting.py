@@ -30,7 +30,7 @@ class Fitter:
         """The fit under way, and the state when it was asked for."""
         self._found: tuple[Any] | None = None
 
-    def ask(self, action: actions.Running) -> Fit:
+    def ask(self, action: actions.Running | actions.FilmToAdd) -> Fit:
         """Begin; a fit that is asked for twice is done once. Refused with the reason where it
         cannot be had."""
         opened, edit = self._current()

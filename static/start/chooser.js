@@ -13,8 +13,20 @@ import { smallPicture } from './picture.js';
 import { heldIn, sorted } from './sorting.js';
 import { takeFiles } from './uploading.js';
 
-const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
-const TITLES = { any: 'Open', video: 'Choose a video', meshes: 'Choose surfaces', session: 'Open a session' };
+const KINDS = {
+  any: null,
+  video: ['video', 'images'],
+  film: ['video', 'images'],
+  meshes: ['meshes'],
+  session: ['session'],
+};
+const TITLES = {
+  any: 'Open',
+  video: 'Choose a video',
+  film: 'Add a film of the same motion',
+  meshes: 'Choose surfaces',
+  session: 'Open a session',
+};
 const SIGNS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
 const KIND_LABELS = { video: 'Video', images: 'Images', meshes: 'Meshes', session: 'Session' };
 const COLUMNS = { name: 'Name', size: 'Size', date: 'Date' };
@@ -149,15 +161,16 @@ function fileRow(file, hasFolder) {
 }
 
 function choose({ id }) {
-  const { lost } = ui.chooser;
+  const { kind, lost } = ui.chooser;
   close();
-  if (lost) send({ do: 'open', kind: 'recent', id: lost.id, video: id });
+  if (kind === 'film') send({ do: 'add_film', kind: 'file', id });
+  else if (lost) send({ do: 'open', kind: 'recent', id: lost.id, video: id });
   else send({ do: 'open', kind: 'file', id });
 }
 
 function none(isSearch) {
   if (isSearch ? !ui.library : !ui.place) return html`<p class="dim nothing">Looking…</p>`;
-  const what = { session: 'session', meshes: 'surfaces', video: 'video', any: 'video or session' }[ui.chooser.kind];
+  const what = { session: 'session', meshes: 'surfaces', any: 'video or session' }[ui.chooser.kind] ?? 'video';
   return html`<p class="dim nothing">${
     isSearch ? html`No file is named “${ui.fileFind}”.` : `No ${what} in this folder.`
   }</p>`;
@@ -191,8 +204,9 @@ function onPick(event) {
   const chosen = [...event.target.files];
   event.target.value = '';
   if (!chosen.length) return;
+  const { kind } = ui.chooser;
   close();
-  takeFiles(chosen);
+  takeFiles(chosen, kind === 'film');
 }
 
 /** Arrows walk through the rows, from the Find box too; Enter there opens the first. Backspace goes up. */

@@ -1,6 +1,7 @@
 // Bringing a video from elsewhere into Keypose's folder: chosen, or dropped on the window.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { whyNot } from '../actions/actions.js';
 import { importFile, importOpenPose, isImported, isOpenPose } from '../actions/importing.js';
 import { addOnTop } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
@@ -16,8 +17,12 @@ const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like';
 
 let request = null;
 
-/** Take what was dropped or chosen: one video, or one file to import into the open session. */
-export function takeFiles(files) {
+/**
+ * Take what was dropped or chosen: one video, or one file to import into the open session.
+ * @param {File[]} files
+ * @param {boolean} isAdded  Whether the video is added to the open session as another film of its motion.
+ */
+export function takeFiles(files, isAdded = false) {
   const video = files.find(({ name }) => isVideoName(name));
   if (!video) {
     if (server.file && files[0] && isImported(files[0].name)) importFirst(files);
@@ -28,10 +33,12 @@ export function takeFiles(files) {
     toast({ kind: 'check', words: `${ui.upload.name} is still being copied. Cancel it first.` });
     return;
   }
-  if (files.length > 1) toast({ kind: 'info', words: `One video at a time. Opening ${video.name}.` });
+  if (files.length > 1) {
+    toast({ kind: 'info', words: `One video at a time. ${isAdded ? 'Adding' : 'Opening'} ${video.name}.` });
+  }
   const most = ui.library?.largest_upload;
   if (most && video.size > most) tooLarge(video, most);
-  else upload(video);
+  else upload(video, isAdded);
 }
 
 /** Stop the copying. */
@@ -56,7 +63,7 @@ export function uploadCard() {
   </div>`;
 }
 
-function upload(file) {
+function upload(file, isAdded) {
   request = new XMLHttpRequest();
   const finish = (words) => {
     request = null;
@@ -64,7 +71,7 @@ function upload(file) {
     if (words) toast({ kind: 'lost', words });
   };
   request.upload.onprogress = ({ loaded, total }) => setUi('upload', { name: file.name, loaded, total });
-  request.onload = () => finish(openUploaded(request, file));
+  request.onload = () => finish(openUploaded(request, file, isAdded));
   request.onerror = () => finish(`${file.name} was not copied. The connection was lost on the way.`);
   request.onabort = () => finish('');
   request.open('POST', `/upload?name=${encodeURIComponent(file.name)}`);
@@ -73,8 +80,8 @@ function upload(file) {
   setUi('upload', { name: file.name, loaded: 0, total: file.size });
 }
 
-/** Open what has arrived; otherwise the words of the refusal. */
-function openUploaded({ status, response }, file) {
+/** Open or add what has arrived; otherwise the words of the refusal. */
+function openUploaded({ status, response }, file, isAdded) {
   let reply = {};
   try {
     reply = JSON.parse(response);
@@ -82,7 +89,7 @@ function openUploaded({ status, response }, file) {
     // An answer of the door, not of the library.
   }
   if (status < 300 && reply.id) {
-    send({ do: 'open', kind: 'upload', id: reply.id });
+    send({ do: isAdded ? 'add_film' : 'open', kind: 'upload', id: reply.id });
     return '';
   }
   return reply.words || `${file.name} was not copied. The server answered ${status}.`;
@@ -131,19 +138,32 @@ function overlay() {
   if (!server.file) return nothing;
   if (ui.upload) return html`<div class="copying">${uploadCard()}</div>`;
   if (!ui.dropping) return nothing;
-  return html`<div class="veil"><div>Drop a video to open it, or motion, keypoints or a camera to import them into ${server.file.name}.</div></div>`;
+  return html`<div class="veil"><div>Drop a video to open it, or motion, keypoints or a camera to import
+    them into ${server.file.name}.</div>${
+      whyNot('addFilm')
+        ? nothing
+        : html`<div class=${ui.dropping === 'add' ? 'over' : ''} data-drop="add">Drop a film of the same motion here
+    to add it to ${server.file.name}.</div>`
+    }</div>`;
 }
 
 function over(event) {
   if (!hasFiles(event)) return;
   event.preventDefault();
   event.dataTransfer.dropEffect = 'copy';
-  setUi('dropping', true);
+  setUi('dropping', isOverAdding(event) ? 'add' : true);
+}
+
+/** Whether a film that is dropped there is added to the open session. */
+function isOverAdding({ clientX: x, clientY: y }) {
+  const box = document.querySelector('#drop [data-drop="add"]')?.getBoundingClientRect();
+  return Boolean(box && x > box.left && x < box.right && y > box.top && y < box.bottom);
 }
 
 function onDrop(event) {
   if (!hasFiles(event)) return;
   event.preventDefault();
+  const isAdded = isOverAdding(event);
   setUi('dropping', false);
   const items = [...event.dataTransfer.items].filter((item) => item.kind === 'file');
   const folder = items.map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
@@ -152,7 +172,7 @@ function onDrop(event) {
     else refuseFolder(folder);
     return;
   }
-  takeFiles([...event.dataTransfer.files]);
+  takeFiles([...event.dataTransfer.files], isAdded);
 }
 
 /** What OpenPose wrote is imported; any other folder is opened where it lies. */

@@ -703,7 +703,7 @@
  * @property {string | null} [seek]  The section of the inspector that is to be brought into sight.
  * @property {number | null} [note]  The frame whose note is being written.
  * @property {boolean} [space]  The space bar is down.
- * @property {boolean} [dropping]
+ * @property {boolean | 'add'} [dropping]  'add': a film would be added to the open session.
  * @property {boolean} [flat]  There is no WebGL.
  * @property {boolean} [painted]  The page itself paints the body over the film.
  * @property {boolean} [flatRead]

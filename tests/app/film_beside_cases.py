@@ -12,8 +12,8 @@ from keypose.tracker.session.views import Clock, View
 
 ID = "film-2"
 R_SIDE = rotation_from_euler(0.05, np.radians(60.0), 0.08)
-MIDDLE = np.array([0.0, 0.0, 4.0])
-"""Of the motion, before both cameras, metres."""
+MIDDLE = np.array([0.3, -0.1, 5.4])
+"""Where the person of the sample stands at frame 24, before both cameras, metres."""
 
 
 def beside(session: Session, clock: Clock, **changes: Any) -> View:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
@@ -17,8 +18,10 @@ from keypose.app.cli.main import main
 from keypose.app.document.new import new_session
 from keypose.app.document.open import copy_session
 from keypose.app.jobs import add_film
+from keypose.app.jobs.adding_film import AddFilm
 from keypose.app.jobs.batch import make_session
 from keypose.app.jobs.batch.task import Task
+from keypose.app.jobs.job import Failed, Finished, Progress
 from keypose.app.orders.film import FilmToDraft
 from keypose.tracker import TrackFinished, keypoints_of_session, open_video_of, track_session
 from keypose.tracker.body.body import preset
@@ -39,6 +42,7 @@ from keypose.tracker.geometry.rotations import (
 from keypose.tracker.keypoints.find_people import FoundPerson, PeopleInFilm
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.model_files import find_model
+from keypose.tracker.keypoints.region import Box
 from keypose.tracker.operations.films import close_all, films_beside, open_other_films
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.storage.files import load_session, save_session
@@ -46,6 +50,7 @@ from keypose.tracker.storage.fingerprints import segment_keys
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.sidecars import save_keypoints
 from keypose.tracker.video import Video
+from tests.app.jobs.job_cases import reported
 from tests.rendering.motions import crossing, throw
 
 SIZE = 320, 180
@@ -457,3 +462,51 @@ def test_of_a_thing_no_camera_is_found(
     save_session(thing, path)
     assert main(["add-film", str(path), str(side), *FROM_THE_SIDE]) == 2
     assert "found from a person: this body is none" in capsys.readouterr().err
+
+
+def asked_on_the_page(path: Path, film: Path) -> AddFilm:
+    """The job of the page."""
+    session = path.read_bytes()
+    return AddFilm(session, str(path.parent / "front.mp4"), str(path.parent), str(film))
+
+
+def person_in(monkeypatch: pytest.MonkeyPatch, *boxes: Box) -> None:
+    """Who is found in the second film."""
+    people = PeopleInFilm(4, tuple(FoundPerson(box, 1.0) for box in boxes), {})
+    monkeypatch.setattr(add_film, "people_seen", lambda *_: people if boxes else None)
+
+
+def test_the_page_s_job_finds_the_same_and_says_how_far_it_is(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = begun(tmp_path, wrong=True)
+    person_in(monkeypatch, (100, 20, 220, 170))
+    *progress, end = reported(asked_on_the_page(path, side), None)
+    assert isinstance(end, Finished), end
+    film = end.result
+    pickle.loads(pickle.dumps(film))  # it comes from another process
+    assert abs(film.session.views[1].clock.begins - CLOCK.begins) < 0.3
+    assert "side.mp4 begins 3." in film.words
+    assert "2 keyframes were mended" in film.words
+    assert next(report.words for report in progress if isinstance(report, Progress)) == (
+        "Looking at the first film"
+    )
+    assert film.saved(path).views[1].keypoints is not None
+
+
+@pytest.mark.parametrize(
+    ("boxes", "words"),
+    [
+        ([], "No person was found in side.mp4."),
+        ([(10, 20, 90, 170), (100, 20, 220, 170)], "2 people are to be seen in side.mp4"),
+    ],
+)
+def test_whom_to_look_at_is_said_without_what_only_a_command_has(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch, boxes: list[Box], words: str
+) -> None:
+    path = begun(tmp_path)
+    person_in(monkeypatch, *boxes)
+    *_, end = reported(asked_on_the_page(path, side), None)
+    assert isinstance(end, Failed)
+    assert end.words.startswith(words)
+    assert "--frame" not in end.words

@@ -1,0 +1,184 @@
+"""A second film of the motion: its picture with the body over it, and its clock."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Locator
+
+from keypose.tracker.session.views import Clock
+from keypose.tracker.storage.files import load_session, save_session
+from tests.app.film_beside_cases import ID, with_film
+from tests.browser.interaction import answered, drag, screen, screens, section, settled, spot, until
+from tests.browser.shared import Desk, desk
+
+BEGINS = 3.4
+CLOCK = Clock(begins=BEGINS, sigma=0.1, also=(31.5,))
+
+PAINTED = """
+() => {
+  const canvas = document.querySelector('.film .figure');
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  let sum = 0;
+  for (let i = 3; i < data.length; i += 4) sum += data[i] ? i % 9973 : 0;
+  return sum;
+}
+"""
+"""Another number for another outline of the body, 0 where there is none."""
+
+BODY = """
+(ID) => {
+  const film = window.keypose.server.films.find(({ id }) => id === ID);
+  const canvas = document.querySelector('.film .figure');
+  const { width, height } = canvas;
+  const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+  const box = [Infinity, Infinity, -1, -1];
+  for (let i = 3; i < data.length; i += 4) {
+    if (!data[i]) continue;
+    const [x, y] = [((i - 3) / 4) % width, Math.floor(i / 4 / width)];
+    [x, y].forEach((at, k) => {
+      box[k] = Math.min(box[k], at);
+      box[k + 2] = Math.max(box[k + 2], at);
+    });
+  }
+  return box.map((px) => (px * film.camera.width) / width);
+}
+"""
+"""Left, top, right and bottom of the painted body, pixels of the film."""
+
+
+@pytest.fixture(scope="module")
+def work(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    def begin(path: Path) -> None:
+        shutil.copy(path.parent / "person.mp4", path.parent / "side.mp4")
+        doc = load_session(path)
+        video = doc.view.video.model_copy(update={"path": "side.mp4"})
+        save_session(with_film(doc, CLOCK, video=video), path)
+
+    with desk(browser, tmp_path_factory.mktemp("films"), size=(1366, 768), begin=begin) as made:
+        made.page.keyboard.press("Escape")
+        yield made
+
+
+@pytest.fixture
+def at(work: Desk) -> Desk:
+    work.fresh()
+    return work
+
+
+def card(at: Desk) -> Locator:
+    return at.page.locator(f'[data-film="{ID}"]')
+
+
+def shown(at: Desk) -> Any:
+    """The frame of the film whose picture is shown, and that of the body over it."""
+    return tuple(
+        card(at).locator(f"canvas.{name}").get_attribute("data-frame") for name in ("vid", "figure")
+    )
+
+
+def begins(at: Desk) -> float:
+    return float(at.agreed("films")[0]["begins"])
+
+
+def test_the_picture_of_the_moment_is_shown_with_the_body_where_its_camera_sees_it(
+    at: Desk,
+) -> None:
+    card(at).get_by_text("This film does not show this moment.").wait_for()
+    at.visitor.do(do="go", frame=24)
+    until(lambda: shown(at) == ("21", "24"), "the frame of the moment")
+    settled(at.page)
+    box = at.page.evaluate(BODY, ID)
+    film, points = at.agreed("films")[0], at.agreed("pose")["points"].values()
+    (a, b, c, p), (d, e, f, q), (g, h, i, r) = (film["T"][row : row + 4] for row in (0, 4, 8))
+    lens = film["camera"]
+    for x, y, z in points:
+        depth = g * x + h * y + i * z + r
+        u = lens["fx"] * (a * x + b * y + c * z + p) / depth + lens["cx"]
+        v = lens["fy"] * (d * x + e * y + f * z + q) / depth + lens["cy"]
+        assert box[0] - 4 <= u <= box[2] + 4
+        assert box[1] - 4 <= v <= box[3] + 4
+    screens(at.page, "films-1")
+
+
+def test_it_lies_over_no_bar_and_no_tool(at: Desk) -> None:
+    at.visitor.do(do="go", frame=24)
+    until(lambda: shown(at) == ("21", "24"), "the frame of the moment")
+    for size in ((1366, 768), (1280, 720)):
+        at.page.set_viewport_size({"width": size[0], "height": size[1]})
+        for name in ("#tools", "#mfoot", "#mhead", "#mdisp", "#mzoom"):
+            at.page.mouse.move(2, 2)
+            settled(at.page)
+            own, bar = card(at).bounding_box(), at.page.locator(name).bounding_box()
+            assert own is not None
+            assert bar is not None
+            is_aside = own["x"] >= bar["x"] + bar["width"] or bar["x"] >= own["x"] + own["width"]
+            is_off = own["y"] >= bar["y"] + bar["height"] or bar["y"] >= own["y"] + own["height"]
+            assert is_aside or is_off, name
+    at.page.set_viewport_size({"width": 1366, "height": 768})
+
+
+def test_the_body_over_it_follows_a_drag_before_the_pose_is_let_go(at: Desk) -> None:
+    at.visitor.do(do="go", frame=24)
+    until(lambda: shown(at) == ("21", "24"), "the frame of the moment")
+    before = at.page.evaluate(PAINTED)
+    x, y = spot(at.page, "left_hand")
+    drag(at.page, (x, y), (x + 30, y - 40), drop=False)
+    until(lambda: at.page.evaluate(PAINTED) != before, "the dragged body")
+    assert section(at.page, "pose.stroke")
+    at.page.mouse.up()
+    answered(at.page)
+
+
+def test_its_clock_is_moved_by_buttons_keys_and_typing_and_each_is_undone(at: Desk) -> None:
+    at.visitor.do(do="go", frame=24)
+    later = card(at).get_by_role("button", name="Film begins one frame later")
+    later.click()
+    assert begins(at) == pytest.approx(BEGINS + 1)
+    until(lambda: shown(at)[0] == "20", "the picture before")
+    at.page.keyboard.down("Shift")
+    card(at).get_by_role("button", name="Film begins one frame earlier").click()
+    at.page.keyboard.up("Shift")
+    assert begins(at) == pytest.approx(BEGINS + 0.9)
+    at.page.keyboard.press("Control+.")
+    assert begins(at) == pytest.approx(BEGINS + 1.9)
+    field = card(at).get_by_role("spinbutton")
+    field.click()
+    field.fill("7.25")
+    field.press("Enter")
+    until(lambda: begins(at) == 7.25, "what was typed")
+    assert at.agreed("films")[0]["sigma"] is None
+    for _ in range(4):
+        at.page.keyboard.press("Escape")
+        at.page.keyboard.press("Control+z")
+    until(lambda: begins(at) == BEGINS, "the clock that was found")
+    assert at.agreed("undo")["undo"] is None
+
+
+def test_where_it_may_begin_as_well_is_one_press_away(at: Desk) -> None:
+    card(at).get_by_role("button", name="+31.5?").click()
+    until(lambda: begins(at) == 31.5, "the other clock")
+    card(at).get_by_role("button", name="+3.4?").wait_for()
+
+
+def test_a_click_enlarges_it_and_another_shrinks_it(at: Desk) -> None:
+    small = card(at).bounding_box()
+    assert small is not None
+    card(at).locator(".filmpic").click()
+    until(lambda: card(at).bounding_box()["width"] > 1.2 * small["width"], "a larger card")  # type: ignore[index]
+    screen(at.page, "films-2-large")
+    card(at).locator(".filmpic").click()
+    until(lambda: card(at).bounding_box() == small, "the card as it was")
+
+
+def test_a_film_is_removed_from_its_menu_and_back_after_undo(at: Desk) -> None:
+    card(at).get_by_role("button", name="Menu of side.mp4").click()
+    screen(at.page, "films-3-menu")
+    at.page.get_by_role("menuitem", name="Remove film").click()
+    until(lambda: card(at).count() == 0, "no card")
+    at.page.keyboard.press("Control+z")
+    until(lambda: card(at).count() == 1, "the card")
