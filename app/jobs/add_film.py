@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.documents import seen_as_before
-from keypose.app.jobs.adding_film import FoundFilm
 from keypose.app.jobs.film_session import people_seen
+from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.orders.film import BesideOrder
 from keypose.app.orders.tracking import FilmTaken, said
 from keypose.app.words.films import aside_deg
@@ -72,12 +72,12 @@ class WhoIsMeant(KeypointError):
 class AddedFilm:
     """A film that was found to show the motion of a session.
 
-    found: the session with the film, and with mended keyframes, and what was seen in the film.
+    film: the session with the film, and with mended keyframes, and what was seen in the film.
     offset: when it was taken, and where its camera stands.  others: the other offsets that may be
         true.  mended: what became of the keyframes.  pair: of a calibration, where one was given.
     """
 
-    found: FoundFilm
+    film: FoundFilm
     offset: FoundOffset
     others: tuple[FoundOffset, ...]
     mended: MendedKeyframes
@@ -86,7 +86,7 @@ class AddedFilm:
     @property
     def session(self) -> Session:
         """With the film as its last view, which has no keypoints yet."""
-        return self.found.session
+        return self.film.session
 
     @property
     def view(self) -> View:
@@ -95,7 +95,7 @@ class AddedFilm:
 
     def saved(self, session_path: Path) -> Session:
         """As of `FoundFilm`."""
-        return self.found.saved(session_path)
+        return self.film.saved(session_path)
 
 
 def found_film(

@@ -5,19 +5,17 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
-from keypose.app.editor.drafted import KEYPOINT_SOURCE
 from keypose.app.jobs.fit import Fit, filmed_by, sent
+from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.jobs.job import Context
 from keypose.app.jobs.progress import seconds_left
 from keypose.app.orders.film import BesideOrder
 from keypose.app.words.films import film_words, lens_words, mended_words, opposite_words, whom_words
 from keypose.tracker.errors import KeypointError
-from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.sidecars import save_keypoints
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
@@ -35,36 +33,6 @@ FOUND_TO: Final = 0.9
 """The shares of the work between which the person is looked for in the film."""
 
 
-class FoundFilm(NamedTuple):
-    """A film that shows the motion of a session.
-
-    session: with the film as its last view, which has no keypoints yet.  keypoints, network, seed:
-    what was seen of the person in it, by which network, and the frame looked at first.  words: what
-    was found, in sentences.
-    """
-
-    session: Session
-    keypoints: Keypoints
-    network: str
-    seed: int
-    words: str
-
-    def saved(self, session_path: Path) -> Session:
-        """The session, not yet saved, with the film's keypoints, which are written beside its
-        file."""
-        view = self.session.views[-1]
-        alone = save_keypoints(
-            self.session.alone(view.id),
-            session_path,
-            self.keypoints,
-            KEYPOINT_SOURCE,
-            network=self.network,
-            seeds=(self.seed,),
-        )
-        view = view.model_copy(update={"keypoints": alone.view.keypoints})
-        return self.session.model_copy(update={"views": (*self.session.views[:-1], view)})
-
-
 @dataclass(frozen=True)
 class AddFilm(Fit):
     """film: its path."""
@@ -74,6 +42,7 @@ class AddFilm(Fit):
     asked = ("add_film",)
     kind = "film"
     title = "Adding a film"
+    needs_loops = False  # before the last tenth of it
     fault = "Adding the film failed with an internal error ({}). Nothing was changed."
     died = "Adding the film stopped unexpectedly; everything is as it was, add it again."
     why_cancelled = "Adding the film was cancelled because a pose, a film or the camera changed."
@@ -104,7 +73,7 @@ class AddFilm(Fit):
         opposite = opposite_words(added.session, added.view)
         parts = film_words(added.view), opposite, lens, mended_words(added.mended)
         words = " ".join(filter(None, parts))
-        return added.found._replace(words=words)
+        return added.film._replace(words=words)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         posed = (doc.value(name) for name in POSED)

@@ -56,7 +56,7 @@ function card(film) {
   const { id, name, words, camera } = film;
   const picture = pictureOf(film);
   const isLarge = ui.filmLarge === id;
-  return html`<section class="glass film ${isLarge ? 'large' : ''}" data-film=${id} aria-label="Film ${name}"
+  return html`<section class="glass filmcard ${isLarge ? 'large' : ''}" data-film=${id} aria-label="Film ${name}"
     style="--shape:${camera.width / camera.height}">
     <div class="row filmhead"><span class="cut b" title=${words}>${name}</span><span
       class="sp"></span>${more(film)}</div>

@@ -106,7 +106,7 @@ function gridOf([left, top, right, bottom]) {
 
 /** Places on the cards of other films. */
 function filmsInWindow() {
-  return [...document.querySelectorAll('.films > .film')].flatMap((element) => {
+  return [...document.querySelectorAll('.films > .filmcard')].flatMap((element) => {
     const { left, top, right, bottom } = element.getBoundingClientRect();
     return gridOf([left, top, right, bottom]);
   });

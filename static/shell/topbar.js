@@ -36,6 +36,7 @@ function fileItems() {
   return [
     menuItem('openFile'),
     menuItem('importFile', undefined, { right: 'motion, keypoints, camera' }),
+    menuItem('addFilm', undefined, { right: 'of the same motion' }),
     ...(others.length ? [heading('Recent'), ...others.slice(0, RECENT).map(recent)] : []),
     line,
     note(facts()),

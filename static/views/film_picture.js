@@ -87,8 +87,8 @@ export class FilmPicture {
   /** Where a frame's picture comes from, with as many pixels as are seen. */
   #address(frame) {
     const { id, camera, image_version: version } = this.#film;
-    const seen = (this.figure.clientWidth || 1) * devicePixelRatio;
-    const shrink = SHRINKS.find((by) => camera.width / by >= seen) ?? 1;
+    const pixels = (this.figure.clientWidth || 1) * devicePixelRatio;
+    const shrink = SHRINKS.find((by) => camera.width / by >= pixels) ?? 1;
     return `/film/${encodeURIComponent(id)}/${frame}.jpg?v=${encodeURIComponent(version)}&shrink=${shrink}`;
   }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,9 +20,25 @@ from tests.browser.shared import Desk, desk
 BEGINS = 3.4
 CLOCK = Clock(begins=BEGINS, sigma=0.1, also=(31.5,))
 
+DROP = """
+([name, content, words]) => {
+  const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([bytes], name));
+  const zones = [...document.querySelectorAll('#drop .veil div')];
+  const zone = zones.find(({ textContent }) => textContent.includes(words));
+  const { left = 0, top = 0, width = 2, height = 2 } = zone?.getBoundingClientRect() ?? {};
+  const [clientX, clientY] = [left + width / 2, top + height / 2];
+  const at = { clientX, clientY, bubbles: true, cancelable: true };
+  dispatchEvent(new DragEvent('dragover', { dataTransfer, ...at }));
+  if (zone) dispatchEvent(new DragEvent('drop', { dataTransfer, ...at }));
+}
+"""
+"""Drag a file over the page and, once there is a zone with these words, drop it there."""
+
 PAINTED = """
 () => {
-  const canvas = document.querySelector('.film .figure');
+  const canvas = document.querySelector('.filmcard .figure');
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   let sum = 0;
   for (let i = 3; i < data.length; i += 4) sum += data[i] ? i % 9973 : 0;
@@ -33,7 +50,7 @@ PAINTED = """
 BODY = """
 (ID) => {
   const film = window.keypose.server.films.find(({ id }) => id === ID);
-  const canvas = document.querySelector('.film .figure');
+  const canvas = document.querySelector('.filmcard .figure');
   const { width, height } = canvas;
   const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
   const box = [Infinity, Infinity, -1, -1];
@@ -182,3 +199,24 @@ def test_a_film_is_removed_from_its_menu_and_back_after_undo(at: Desk) -> None:
     until(lambda: card(at).count() == 0, "no card")
     at.page.keyboard.press("Control+z")
     until(lambda: card(at).count() == 1, "the card")
+
+
+def test_a_film_that_is_dropped_where_the_page_says_so_is_added_and_not_opened(at: Desk) -> None:
+    content = base64.b64encode((at.session.parent / "side.mp4").read_bytes()).decode()
+    dropped = ["again.mp4", content, "to add it to"]
+    at.page.evaluate(DROP, dropped)
+    at.page.get_by_text("Drop a film of the same motion here").wait_for()
+    screen(at.page, "films-4-drop")
+    at.page.evaluate(DROP, dropped)
+    at.page.get_by_text("This film is in the session already.").wait_for()
+    assert section(at.page, "file.path") == str(at.session)
+
+
+def test_a_film_is_chosen_from_the_file_menu(at: Desk) -> None:
+    at.page.locator("#top").get_by_role("button", name="person").click()
+    at.page.get_by_role("menuitem", name="Add a film").click()
+    sheet = at.page.locator("#chooser")
+    sheet.get_by_text("Add a film of the same motion").wait_for()
+    sheet.get_by_role("searchbox").fill("side.mp4")
+    sheet.get_by_role("button", name="side.mp4").first.click()
+    at.page.get_by_text("This film is in the session already.").wait_for()

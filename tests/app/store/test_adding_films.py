@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs.adding_film import AddFilm, FoundFilm
+from keypose.app.jobs.adding_film import AddFilm
+from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.working import queue
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
