@@ -27,7 +27,7 @@ from keypose.app.editor.message import Editing, Message, PoseId, PoseName, Strok
 from keypose.app.posing.gesture import Coordinate
 from keypose.tracker.body.body import Name
 from keypose.tracker.session.schema import Title
-from keypose.tracker.session.settings import FrameIndex
+from keypose.tracker.session.settings import FrameIndex, SceneId
 
 SessionId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 """Of a session among the recent ones, or of one in the trash."""
@@ -120,6 +120,15 @@ class AddFilm(Message):
     do: Literal["add_film"] = "add_film"
     kind: Literal["file", "upload"]
     id: Annotated[str, Field(min_length=1, max_length=4096)]
+
+
+class PlaceFilm(Message):
+    """Where another film's camera stands, found anew for a frame of the first film, with its
+    fraction, at which it begins."""
+
+    do: Literal["place_film"] = "place_film"
+    view: SceneId
+    begins: films.Moment
 
 
 class Stand(Message):
@@ -322,6 +331,7 @@ Fitting: TypeAlias = (
     | FindPeople
     | FindCamera
     | AddFilm
+    | PlaceFilm
     | Stand
     | TrackAhead
     | LookBefore

@@ -26,14 +26,8 @@ class _OfFilm(Edit):
 
     view: SceneId
 
-    def _film(self, doc: Session) -> View:
-        for view in doc.views[1:]:
-            if view.id == self.view:
-                return view
-        raise ActionRefused("This film is not in the session any more.")
-
     def label(self, state: EditorState) -> str:
-        return f"{self.verb} {_name(self._film(state.doc))}"
+        return f"{self.verb} {_name(film_of(state.doc, self.view))}"
 
 
 class MoveFilmClock(_OfFilm):
@@ -45,15 +39,12 @@ class MoveFilmClock(_OfFilm):
     begins: Moment
 
     def apply(self, state: EditorState) -> Session:
-        doc, view = state.doc, self._film(state.doc)
+        doc, view = state.doc, film_of(state.doc, self.view)
         before, begins = view.film_clock, round(self.begins, DECIMALS)
         if begins == before.begins:
             return doc
-        _require_overlap(doc, view, FilmClock(begins, before.rate))
-        also = () if view.clock is None else view.clock.also
-        if begins in also:
-            also = tuple(before.begins if each == begins else each for each in also)
-        clock = Clock(begins=begins, rate=before.rate, also=also)
+        require_overlap(doc, view, FilmClock(begins, before.rate))
+        clock = Clock(begins=begins, rate=before.rate, also=choices_beside(view, begins))
         moved = view.model_copy(update={"clock": clock})
         return _with_films(doc, (moved if each is view else each for each in doc.views[1:]))
 
@@ -65,7 +56,7 @@ class RemoveFilm(_OfFilm):
     verb = "remove"
 
     def apply(self, state: EditorState) -> Session:
-        view = self._film(state.doc)
+        view = film_of(state.doc, self.view)
         return _with_films(state.doc, (each for each in state.doc.views[1:] if each is not view))
 
 
@@ -76,7 +67,23 @@ def _with_films(doc: Session, films: Iterable[View]) -> Session:
     return doc.model_copy(update={"views": (doc.view, *films)})
 
 
-def _require_overlap(doc: Session, view: View, clock: FilmClock) -> None:
+def film_of(doc: Session, view_id: str) -> View:
+    """A view after the first, by its id; refused where there is none."""
+    for view in doc.views[1:]:
+        if view.id == view_id:
+            return view
+    raise ActionRefused("This film is not in the session any more.")
+
+
+def choices_beside(view: View, begins: float) -> tuple[float, ...]:
+    """Where a film may begin as well, once it begins at a frame of the first film: where it began
+    before stays a choice in the place of one that is taken."""
+    also = () if view.clock is None else view.clock.also
+    return tuple(view.film_clock.begins if each == begins else each for each in also)
+
+
+def require_overlap(doc: Session, view: View, clock: FilmClock) -> None:
+    """Refused where a film would show nothing of the first film's time."""
     count, first_count = view.video.frame_count, doc.view.video.frame_count
     if not clock.overlap(count, first_count):
         earliest = -(count - 1) / clock.rate

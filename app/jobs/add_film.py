@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.documents import seen_as_before
+from keypose.app.editor.films import choices_beside, film_of
 from keypose.app.jobs.film_session import people_seen
 from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.orders.film import BesideOrder
@@ -22,10 +23,9 @@ from keypose.app.words.people import NOBODY, several_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeypointError, SessionError
 from keypose.tracker.films.cameras import at_scale_of, joints_of_pose, lengths_of
-from keypose.tracker.films.offset import CLOSE, FoundOffset, OffsetSearch, find_offsets
+from keypose.tracker.films.offset import CLOSE, MOST_COST, FoundOffset, OffsetSearch, find_offsets
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair, calibrated_pairs
-from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import Array, log_rotation, quaternion_wxyz, transpose
 from keypose.tracker.keypoints.detect import Seed, detect
@@ -46,6 +46,8 @@ from keypose.tracker.tracking.pool import Cancelled, never
 from keypose.tracker.video import Video
 
 AS_IN_ITS_FILE = FilmTaken()
+LEAST_RATE = 0.01
+"""Frames of one film per frame of another, at least, as clocks have them."""
 MOST_FILMS = 8
 """Of one motion."""
 MOST_MOVED_DEG = 15.0
@@ -122,53 +124,151 @@ def found_film(
         Video.open(path, deinterlace=deinterlace) as video,
     ):
         view = _begun_view(session, session_path, video, taken)
+        rates = _rates(session, view, first, video)
         first_keypoints = _keypoints_of_first(session, session_path, first, cancelled)
         report(0.2)
         box, at = _box(order, video)
         film_keypoints, network = _detected(session, view, video, box, at, report, cancelled)
-        rates = (
-            session.view.video.recorded_fps or first.info.fps,
-            view.video.recorded_fps or video.info.fps,
-        )
-    both = first_keypoints, film_keypoints
+    keypoints = first_keypoints, film_keypoints
     pairs = [None] if calibration is None else calibrated_pairs(calibration, session.view, view)
     tried = [
-        Laid(pair, _offsets(session, view, both, rates, order.begins, pair, cancelled))
+        Laid(pair, _offsets(session, view, keypoints, rates, order.begins, pair, cancelled))
         for pair in pairs
     ]
     if cancelled():
         raise Cancelled
     laid = _best(tried)
-    offsets = laid.offsets
-    if not offsets and calibration is not None:
-        raise SessionError(
-            f"{calibration.name} does not fit these films, or they show no motion in common: leave "
-            "it out, and the cameras are found from the body alone."
-        )
-    if not offsets:
-        raise SessionError(
-            f"{path.name} and {Path(session.view.video.path).name} show no motion in common, so "
-            "nothing tells when it was taken: give the frame at which it begins."
-        )
-    if laid.pair is None:
-        session = _with_first_lens(
-            session, session.view.camera.zoomed(offsets[0].camera.first_focal)
-        )
-    else:
-        session = _with_first_lens(session, laid.pair.first, "calibration")
-        lens = {"camera": laid.pair.film, "lens_source": "calibration"}
-        view = view.model_copy(update=lens)
-    best, *others = (_at_scale(session, view, film_keypoints, offset) for offset in offsets)
-    source: Literal["body", "file"] = "body" if laid.pair is None else "file"
-    after = _with_view(session, _placed(view, best, others, source))
-    if aside_deg(after, after.views[-1]) < LEAST_ASIDE_DEG:
+    if not laid.offsets:
+        raise SessionError(_why_not_laid(session, view, keypoints, order.begins, calibration))
+    others = _keypoints_of_others(session, session_path.parent)
+    added = _added(session, view, keypoints, laid, network, at, others=others)
+    if aside_deg(added.session, added.view) < LEAST_ASIDE_DEG:
         raise SessionError(
             f"{path.name} looks at the person as the first film does, so it says nothing of depth: "
             "add one that was taken from the side."
         )
-    mended = mend_keyframes(after, {session.view.id: first_keypoints, view.id: film_keypoints})
+    return added
+
+
+def _rates(session: Session, view: View, first: Video, video: Video) -> tuple[float, float]:
+    """Frames a second of both films as they were recorded; SessionError where no clock has both."""
+    rates = (
+        session.view.video.recorded_fps or first.info.fps,
+        view.video.recorded_fps or video.info.fps,
+    )
+    if not LEAST_RATE <= rates[1] / rates[0] <= 1 / LEAST_RATE:
+        raise SessionError(
+            f"One film has {rates[0]:g} frames a second and the other {rates[1]:g}: they are too "
+            "different to be laid beside each other."
+        )
+    return rates
+
+
+def _why_not_laid(
+    session: Session,
+    view: View,
+    keypoints: tuple[Keypoints, Keypoints],
+    begins: float | None,
+    calibration: Path | None,
+) -> str:
+    """Why two films could not be laid beside each other, a sentence."""
+    names = [Path(each.video.path).name for each in (view, session.view)]
+    if calibration is not None:
+        return (
+            f"{calibration.name} does not fit these films, or they show no motion in common: leave "
+            "it out, and the cameras are found from the body alone."
+        )
+    if begins is not None:
+        return (
+            f"{names[0]} and {names[1]} show no motion in common where it begins at {begins:g}: "
+            "give another frame, or leave that to be found."
+        )
+    if any(each.p_hips is None for each in keypoints):
+        return (
+            f"The keypoints of {names[1]} have no depth, so nothing tells when {names[0]} was "
+            "taken: give the frame at which it begins."
+        )
+    return (
+        f"{names[0]} and {names[1]} show no motion in common, so nothing tells when it was taken: "
+        "give the frame at which it begins."
+    )
+
+
+def _keypoints_of_others(session: Session, folder: Path) -> dict[str, Keypoints]:
+    """The keypoints of all films but the first that have any, by the view's id."""
+    return {
+        view.id: keypoints
+        for view in session.views[1:]
+        if (keypoints := keypoints_of_session(session.alone(view.id), folder)) is not None
+    }
+
+
+def placed_again(
+    session: Session,
+    session_path: Path,
+    view_id: str,
+    begins: float,
+    report: Callable[[float], None] = lambda share: None,
+    cancelled: Callable[[], bool] = never,
+) -> AddedFilm:
+    """A film of a session with its camera found anew, from what was seen in it, for a frame of the
+    first at which it begins; as of `found_film`."""
+    alone, view = session.alone(view_id), film_of(session, view_id)
+    name = Path(view.video.path).name
+    film_keypoints = keypoints_of_session(alone, session_path.parent)
+    if film_keypoints is None or view.keypoints is None:
+        raise SessionError(
+            f"Nothing is known of the person in {name}: remove the film and add it again."
+        )
+    with open_video_of(session, session_path) as first, open_video_of(alone, session_path) as video:
+        first_keypoints = _keypoints_of_first(session, session_path, first, cancelled)
+        rates = _rates(session, view, first, video)
+    report(0.5)
+    rest = tuple(each for each in session.views if each is not view)
+    without = session.model_copy(update={"views": rest})
+    keypoints = first_keypoints, film_keypoints
+    offsets = _offsets(without, view, keypoints, rates, begins, None, cancelled)
+    if not offsets:
+        raise SessionError(_why_not_laid(without, view, keypoints, begins, None))
+    seeds = view.keypoints.seeds
+    network, at = view.keypoints.network, seeds[0] if seeds else 0
+    also = choices_beside(view, begins)
+    others = _keypoints_of_others(without, session_path.parent)
+    return _added(without, view, keypoints, Laid(None, offsets), network, at, also, others=others)
+
+
+def _added(
+    session: Session,
+    view: View,
+    keypoints: tuple[Keypoints, Keypoints],
+    laid: Laid,
+    network: str,
+    at: int,
+    also: tuple[float, ...] | None = None,
+    *,
+    others: Mapping[str, Keypoints],
+) -> AddedFilm:
+    """The session with a view, its clock and camera as found, and with mended keyframes.
+
+    also: where it may begin besides; None: where the other offsets say.  others: keypoints of films
+    that are there already, by the view's id.
+    """
+    if len(session.views) == 1:  # the cameras of other films are placed with the lens that it has
+        session = _with_first_lens(session, laid)
+    if laid.pair is not None:
+        lens = {"camera": laid.pair.film, "lens_source": "calibration"}
+        view = view.model_copy(update=lens)
+    first_keypoints, film_keypoints = keypoints
+    best, *further = (_at_scale(session, view, film_keypoints, offset) for offset in laid.offsets)
+    source: Literal["body", "file"] = "body" if laid.pair is None else "file"
+    placed = _placed(view, best, further, source)
+    if also is not None and placed.clock is not None:
+        placed = placed.model_copy(update={"clock": placed.clock.model_copy(update={"also": also})})
+    after = _with_view(session, placed)
+    of_films = {**others, session.view.id: first_keypoints, view.id: film_keypoints}
+    mended = mend_keyframes(after, of_films)
     film = FoundFilm(mended.session, film_keypoints, network, at, "")
-    return AddedFilm(film, best, tuple(others), mended, laid.pair)
+    return AddedFilm(film, best, tuple(further), mended, laid.pair)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,11 +307,12 @@ def _best(tried: Sequence[Laid]) -> Laid:
     return best
 
 
-def _with_first_lens(
-    session: Session, lens: Camera, source: Literal["fitted", "calibration"] = "fitted"
-) -> Session:
+def _with_first_lens(session: Session, laid: Laid) -> Session:
     """The session with the lens that its first turned out to have: what is posed is seen as large
     as before."""
+    lens, source = session.view.camera.zoomed(laid.offsets[0].camera.first_focal), "fitted"
+    if laid.pair is not None:
+        lens, source = laid.pair.first, "calibration"
     if lens == session.view.camera:
         return session
     return seen_as_before(session, session.changed({"camera": lens, "lens_source": source}))
@@ -289,7 +390,7 @@ def _keypoints_of_first(
     keyframes on."""
     drafted = keypoints_of_session(session, session_path.parent)
     if drafted is not None:
-        return drafted
+        return drafted.corrected(session.view.keypoint_corrections)
     camera, keyframes = session.view.camera, session.subject.keyframes
     if not keyframes:
         raise SessionError(
@@ -373,9 +474,12 @@ def _offsets(
 ) -> tuple[FoundOffset, ...]:
     """When the film was taken, the likeliest first.  pair: the cameras of both in a calibration."""
     cameras = session.view.camera, view.camera
-    guesses, start = (session.view.lens_is_guess, view.lens_is_guess), None
+    # the cameras of other films are placed with the first lens as it is
+    is_free = session.view.lens_is_guess and len(session.views) == 1
+    guesses, start = (is_free, view.lens_is_guess), None
     if pair is not None:
-        cameras, guesses, start = (pair.first, pair.film), (False, False), pair.T_film_first
+        first_lens = pair.first if len(session.views) == 1 else session.view.camera
+        cameras, guesses, start = (first_lens, pair.film), (False, False), pair.T_film_first
     first = Sightings.of(keypoints[0], cameras[0], session.view.video.frame_count)
     film = Sightings.of(keypoints[1], cameras[1], view.video.frame_count)
     keyed = _joints_at(session, (each for each in session.subject.keyframes if not each.drafted))
@@ -385,7 +489,9 @@ def _offsets(
         return find_offsets(search, rate, cancelled)
     clock = FilmClock(begins, rate)
     camera = search.camera_at(clock)
-    return () if camera is None else (FoundOffset(clock, 0.0, camera),)
+    if camera is None or camera.cost > MOST_COST:
+        return ()
+    return (FoundOffset(clock, 0.0, camera),)
 
 
 def _placed(

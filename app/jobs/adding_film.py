@@ -1,4 +1,4 @@
-"""Add another film of the motion to the open session."""
+"""Add another film of the motion to the open session, or find its camera anew."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
+from keypose.app.editor.films import film_of, require_overlap
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.jobs.job import Context
@@ -14,16 +15,21 @@ from keypose.app.jobs.progress import seconds_left
 from keypose.app.orders.film import BesideOrder
 from keypose.app.words.films import film_words, lens_words, mended_words, opposite_words, whom_words
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.session import Session
+from keypose.tracker.session.views import View
 from keypose.tracker.storage.atomic import make_folder
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
     from keypose.app.editor.actions import FilmToAdd
+    from keypose.app.editor.actions import PlaceFilm as Asked
     from keypose.app.editor.state import EditorState
+    from keypose.app.jobs.add_film import AddedFilm
     from keypose.app.state.app_state import AppState
 
 LABEL: Final = "add a film"
+PLACED: Final = "find the film's camera"
 POSED: Final = ("keyframes", "part_keyframes", "drafts")
 """What is posed, which another lens moves and all films mend."""
 TAKEN: Final = (*POSED, "camera", "lens_source")
@@ -33,20 +39,29 @@ FOUND_TO: Final = 0.9
 """The shares of the work between which the person is looked for in the film."""
 
 
+class _OfFilms(Fit):
+    """Another film laid beside the first: its clock and camera, and keyframes mended by it."""
+
+    kind = "film"
+    needs_loops = False  # before the last tenth of it
+    not_of_surfaces = "A session about surfaces takes no film beside them."
+
+    def inputs(self, doc: Session) -> tuple[Any, ...]:
+        posed = (doc.value(name) for name in POSED)
+        return doc.subject.body, *filmed_by(doc), *posed, doc.view.keypoints, *doc.views[1:]
+
+
 @dataclass(frozen=True)
-class AddFilm(Fit):
+class AddFilm(_OfFilms):
     """film: its path."""
 
     film: str
 
     asked = ("add_film",)
-    kind = "film"
     title = "Adding a film"
-    needs_loops = False  # before the last tenth of it
     fault = "Adding the film failed with an internal error ({}). Nothing was changed."
     died = "Adding the film stopped unexpectedly; everything is as it was, add it again."
     why_cancelled = "Adding the film was cancelled because a pose, a film or the camera changed."
-    not_of_surfaces = "A session about surfaces takes no film beside them."
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, action: FilmToAdd) -> Self:
@@ -69,25 +84,68 @@ class AddFilm(Fit):
             )
         except WhoIsMeant as error:
             raise KeypointError(whom_words(error.people, path.name)) from None
-        lens = lens_words(session.view, added.session.view)
-        opposite = opposite_words(added.session, added.view)
-        parts = film_words(added.view), opposite, lens, mended_words(added.mended)
-        words = " ".join(filter(None, parts))
-        return added.film._replace(words=words)
-
-    def inputs(self, doc: Session) -> tuple[Any, ...]:
-        posed = (doc.value(name) for name in POSED)
-        return doc.subject.body, *filmed_by(doc), *posed, doc.view.keypoints, *doc.views[1:]
+        return _with_words(session, added)
 
     def apply(self, result: FoundFilm, state: AppState) -> tuple[AppState, str]:
         assert state.opened is not None
-        path, doc = Path(state.opened.session_path), state.editing.doc
+        path = Path(state.opened.session_path)
         make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit
         with_film = result.saved(path)
-        after = doc.changed({name: with_film.value(name) for name in TAKEN})
-        films = with_film.views[1:]
-        after = after.model_copy(update={"views": (after.view, *films)})
-        return replace(state, edit=state.editing.with_step(after, LABEL)), result.words
+        return _taken(state, with_film, with_film.views[1:], LABEL), result.words
+
+
+@dataclass(frozen=True)
+class PlaceFilm(_OfFilms):
+    """view: of the film, by its id.  begins: the frame of the first film at which it does."""
+
+    view: str
+    begins: float
+
+    asked = ("place_film",)
+    title = "Finding the film's camera"
+    fault = "Finding the film's camera failed with an internal error ({}). Nothing was changed."
+    died = "Finding the film's camera stopped unexpectedly; everything is as it was, find it again."
+    why_cancelled = "Cancelled because a pose, a film or the camera changed."
+
+    @classmethod
+    def of(cls, opened: OpenSession, edit: EditorState, action: Asked) -> Self:
+        view = film_of(edit.doc, action.view)
+        require_overlap(edit.doc, view, FilmClock(action.begins, view.film_clock.rate))
+        work_inputs = sent(opened, edit.doc, drafts=edit.doc.subject.drafts)
+        return cls(*work_inputs, view.id, action.begins)
+
+    def work(self, session: Session, context: Context) -> FoundFilm:
+        from keypose.app.jobs.add_film import placed_again  # loads what only this needs
+
+        def report(share: float) -> None:
+            context.report(share, _words_at(FOUND_TO))
+
+        report(0.0)
+        session_path = Path(self.folder) / "session.json"
+        return _with_words(
+            session,
+            placed_again(session, session_path, self.view, self.begins, report, context.cancelled),
+        )
+
+    def apply(self, result: FoundFilm, state: AppState) -> tuple[AppState, str]:
+        film, films = result.session.views[-1], state.editing.doc.views[1:]
+        placed = tuple(film if each.id == film.id else each for each in films)
+        return _taken(state, result.session, placed, PLACED), result.words
+
+
+def _with_words(session: Session, added: AddedFilm) -> FoundFilm:
+    lens = lens_words(session.view, added.session.view)
+    opposite = opposite_words(added.session, added.view)
+    words = (film_words(added.view), opposite, lens, mended_words(added.mended))
+    return added.film._replace(words=" ".join(filter(None, words)))
+
+
+def _taken(state: AppState, with_film: Session, films: tuple[View, ...], label: str) -> AppState:
+    """The state with these views after the first, as one step, and with what is posed and seen
+    otherwise by them."""
+    doc = state.editing.doc.changed({name: with_film.value(name) for name in TAKEN})
+    doc = doc.model_copy(update={"views": (doc.view, *films)})
+    return replace(state, edit=state.editing.with_step(doc, label))
 
 
 def _words_at(share: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from keypose.app.jobs.adding_film import AddFilm
+from keypose.app.jobs.adding_film import AddFilm, PlaceFilm
 from keypose.app.jobs.ahead import FollowAhead
 from keypose.app.jobs.draft import DraftClip
 from keypose.app.jobs.find_camera import FindCamera
@@ -28,6 +28,7 @@ KINDS: Final = (
     FindUp,
     FindCamera,
     AddFilm,
+    PlaceFilm,
 )
 
 JOBS: Final[Mapping[str, type[Fit]]] = {name: kind for kind in KINDS for name in kind.asked}

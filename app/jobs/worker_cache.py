@@ -12,7 +12,7 @@ from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.storage import sidecars
 from keypose.tracker.storage.evidence import files_of
-from keypose.tracker.storage.files import open_for_work, open_video_of
+from keypose.tracker.storage.files import open_for_work, open_video_of, video_path
 from keypose.tracker.storage.fingerprints import background_turns, steady_camera
 from keypose.tracker.surface.fit.fitter import SurfaceFitter
 from keypose.tracker.surface.mesh import Steps
@@ -99,7 +99,7 @@ class WorkerCache:
         for view in session.views[1:]:
             alone = session.alone(view.id)
             made_of: tuple[Any, ...] = (
-                folder,
+                files_of(alone).state(alone, video_path(alone, folder / "session.json"), folder),
                 view.video,
                 view.camera,
                 view.ignore_masks,

@@ -59,7 +59,7 @@ def clock_words(view: View) -> str:
     off = "" if sigma is None else f" ± {max(2 * sigma, 0.05):.1f}"
     words = f"begins {abs(begins):.1f}{off} frames {'before' if begins < 0 else 'after'} the first"
     if abs(view.clock.rate - 1) > 1e-4:
-        words += f" film, {view.clock.rate:.4g} frames of it to one of that"
+        words += f" film, at {view.clock.rate:.4g} of its frame rate"
     else:
         words += " film"
     if not view.clock.also:
@@ -84,7 +84,7 @@ def lens_words(before: View, after: View, file: str = "") -> str:
     """Such as "Both films show that the first one's lens is 24 mm, not 29 mm."; empty where it
     stays.  file: that says so; empty where the films do."""
     was, is_now = before.camera.focal_mm, after.camera.focal_mm
-    if before.camera == after.camera:
+    if round(was) == round(is_now):
         return ""
     who = f"{file} says" if file else "Both films show"
     return f"{who} that the first one's lens is {is_now:.0f} mm, not {was:.0f} mm."

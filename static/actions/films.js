@@ -39,6 +39,13 @@ export const clockMessage = (film, begins) => ({
   begins: Number(Number(begins).toFixed(DIGITS)),
 });
 
+/** Its camera found for a frame of the first at which it begins. */
+export const placeMessage = (film, begins) => ({ ...clockMessage(film, begins), do: 'place_film' });
+
+/** Why no camera of a film can be found. */
+export const whyNotPlace = (film = filmMeant()) =>
+  whyNoFilm(film) || (isAddingFilm() ? 'A film’s camera is being found' : '');
+
 /**
  * Moved by so many steps.
  * @param {number} steps

@@ -110,6 +110,7 @@ function more(film) {
       [
         menuItem('enlargeFilm', film),
         ...film.also.map((at) => menuItem('filmBegins', { ...film, at })),
+        menuItem('placeFilm', film),
         line,
         menuItem('addFilm'),
         menuItem('removeFilm', film),

@@ -1,6 +1,6 @@
 // The picture of another film at the present moment, and over it the body as its camera sees it.
 
-import { server } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { fetchOwn } from '../store/storage.js';
 import { cameraEye } from './cameras.js';
 import { paintBody } from './figure.js';
@@ -10,9 +10,11 @@ import { paintBody } from './figure.js';
 /** Pictures that are kept of a film. */
 const MOST = 48;
 /** Pictures that are fetched at a time. */
-const MOST_LOADS = 2;
-/** How far ahead of the present one, and behind it, pictures are fetched: the nearest first. */
-const BESIDE = [1, 2, -1, 3];
+const MOST_LOADS = 3;
+/** Which pictures are fetched, from the present one on. */
+const BESIDE = [0, 1, 2, -1, 3];
+/** The same while the film plays: what is fetched now is seen a little later, and not every frame is. */
+const AHEAD = [2, 4, 7, 10, 14, 18];
 const SHRINKS = [4, 2];
 
 export class FilmPicture {
@@ -79,9 +81,17 @@ export class FilmPicture {
     if (address !== this.#version) this.#forget(address);
     const { frame } = this.#film;
     if (frame === null) return this.#blank('');
-    const bitmap = this.#decoded.get(frame);
-    if (bitmap) this.#draw(frame, bitmap);
+    const near = this.#nearest(frame);
+    if (near !== null) this.#draw(near, this.#decoded.get(near));
     this.#load();
+  }
+
+  /** The frame whose picture is shown for this one: its own, or while the film plays the nearest that is there. */
+  #nearest(frame) {
+    if (this.#decoded.has(frame)) return frame;
+    if (!ui.playing || !this.#decoded.size) return null;
+    const away = (each) => Math.abs(each - frame);
+    return [...this.#decoded.keys()].reduce((best, each) => (away(each) < away(best) ? each : best));
   }
 
   /** Where a frame's picture comes from, with as many pixels as are seen. */
@@ -123,8 +133,10 @@ export class FilmPicture {
   #load() {
     const { frame, frames } = this.#film;
     if (frame === null) return;
-    const wanted = [0, ...(this.why ? [] : BESIDE)].map((step) => frame + step);
-    for (const each of wanted) {
+    const way = Math.sign(ui.shuttle);
+    const late = Math.max(0, way * (frame - Number(this.picture.dataset.frame ?? frame)));
+    const steps = ui.playing ? AHEAD.map((step) => way * (step + late)) : this.why ? [0] : BESIDE;
+    for (const each of steps.map((step) => frame + step)) {
       if (this.#loading.size >= MOST_LOADS) return;
       if (each >= 0 && each < frames && !this.#decoded.has(each) && !this.#loading.has(each)) this.#fetch(each);
     }
@@ -158,6 +170,6 @@ export class FilmPicture {
       this.#decoded.delete(each);
       old.close();
     }
-    if (frame === this.#film.frame) this.#draw(frame, bitmap);
+    if (this.#film.frame !== null && this.#nearest(this.#film.frame) === frame) this.#draw(frame, bitmap);
   }
 }

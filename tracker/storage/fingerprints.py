@@ -318,6 +318,10 @@ def _other_films(session: Session) -> list[Any]:
         own |= {"keypoints": view.keypoints and view.keypoints.file}
         own |= {"static": session.alone(view.id).has_static_camera, "woven": view.video.deinterlace}
         others.append(own)
+    path = session.camera_path
+    if others and path is not None:
+        numbers = np.concatenate((path.Ts_camera_world.ravel(), path.zoom))
+        others.append({"first_camera": hashlib.sha256(_rounded(numbers)).hexdigest()})
     return [{"films": others}] if others else []
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.surface_points import SurfacePoints
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -43,36 +44,44 @@ class FilmBeside:
     def over(
         self,
         segment: Segment,
+        followed: Trajectory,
         skeleton: Skeleton,
         density: float,
         sample: Callable[[Skeleton, float], SurfacePoints],
-    ) -> OtherFilm | None:
-        """What the film shows of a segment; None where it does not reach over it.
+    ) -> tuple[OtherFilm, ...]:
+        """What the film shows of a segment: where it seems to exchange left and right, also set
+        right. None where it does not reach over it.
 
+        followed: about the motion, as the first film shows it, which tells left from right.
         skeleton: with free joints.  density, sample: of surface points.
         """
         frames = self._frames(segment)
         if frames is None:
-            return None
+            return ()
         filmed = frames.seen(segment.interpolated())
         clip = self.film.pictures(skeleton, filmed)
         ends = [filmed.pose(filmed.first_frame), filmed.pose(filmed.last_frame)]
         scene = self.film.scene(skeleton, ends, len(frames), density, sample)
         scene = self.film.before_plate(scene, clip, filmed)
         Ts = self.Ts_first[segment.first_frame : segment.last_frame + 1]
+        there = followed.carried(Ts)
         own = replace(
             segment,
-            start=segment.start.carried(Ts[0]),
-            end=segment.end.carried(Ts[-1]),
+            start=there.pose(segment.first_frame),
+            end=there.pose(segment.last_frame),
             clip=clip,
             imported=None,
             own=None,
         )
         keypoints = self.keypoints_at(segment.first_frame, segment.last_frame)
         candidates = (
-            () if keypoints is None else anchors_of(scene, own, self.film.camera, keypoints)
+            ()
+            if keypoints is None
+            else anchors_of(scene, own, self.film.camera, keypoints, followed=there)
         )
-        return OtherFilm(scene, frames, clip, candidates[0] if candidates else None, Ts)
+        return tuple(
+            OtherFilm(scene, frames, clip, anchors, Ts) for anchors in candidates or (None,)
+        )
 
     def _frames(self, segment: Segment) -> FilmFrames | None:
         """Its own frames within a segment."""

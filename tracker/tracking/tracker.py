@@ -27,8 +27,10 @@ from keypose.tracker.tracking.cues.anchors import (
     keyframe_off_person,
     with_free_joints,
 )
+from keypose.tracker.tracking.cues.keypoint_start import from_keypoints
 from keypose.tracker.tracking.cues.other_film import OtherFilm
 from keypose.tracker.tracking.cues.silhouette import Outlines, outlines_of, silhouette_mismatch
+from keypose.tracker.tracking.cues.soft_correction import Correction, even_increments
 from keypose.tracker.tracking.cues.sources import KeypointSource
 from keypose.tracker.tracking.cycle import Work, track_segment
 from keypose.tracker.tracking.diagnostics.judge import segment_result
@@ -60,6 +62,8 @@ LOOKS_BETWEEN_REPORTS = 8
 ROUNDING: Final = 1e-9
 """Metres, and entries of rotations: by so little other processors and libraries may round apart."""
 
+OTHER_UNSEEN = "another film shows the person at neither keyframe: only its pictures count there"
+WITHOUT_KEYPOINTS = "other films count together with keypoints only: this one alone was used"
 NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
 
 
@@ -356,22 +360,40 @@ class Tracker:
             followed = begun.ways[0].trajectory if begun is not None else None
             candidates = anchors_of(free, segment, camera, keypoints, followed=followed)
             if candidates:
-                films = self._beside(segment, free.skeleton, method)
-                tracked = track_anchored(
+                films = self._beside(Correction(free, segment, candidates[0]), method)
+                outcome = yield from track_anchored(
                     scene, free, segment, method, candidates, begun, films=films
                 )
-                return (yield from tracked)
+                unseen = any(film.anchors is None for film in films)
+                notes = (OTHER_UNSEEN,) if unseen else ()
+                return replace(outcome, notes=(*outcome.notes, *notes))
             off_person = keyframe_off_person(free, segment, camera, keypoints)
             outcome = yield from track_segment(scene, segment, method)
             return replace(outcome, off_person=off_person)
-        return (yield from track_segment(scene, segment, method))
+        outcome = yield from track_segment(scene, segment, method)
+        notes = (WITHOUT_KEYPOINTS,) if self._films else ()
+        return replace(outcome, notes=(*outcome.notes, *notes))
 
-    def _beside(
-        self, segment: Segment, skeleton: Skeleton, method: Keypose
-    ) -> tuple[OtherFilm, ...]:
-        """What other films show of a segment."""
-        shown = [film.over(segment, skeleton, method.density, self._sample) for film in self._films]
-        return tuple(film for film in shown if film is not None)
+    def _beside(self, correction: Correction, method: Keypose) -> tuple[OtherFilm, ...]:
+        """What other films show of a segment; of one whose sides are in doubt as they go with what
+        the first film's keypoints say."""
+        segment, scene = correction.segment, correction.scene
+        if not self._films:
+            return ()
+        held = (even_increments(scene, segment.interpolated()),)
+        followed = from_keypoints(correction, reach_far=False)
+
+        def cost(film: OtherFilm) -> float:
+            both = replace(correction, films=(film,))
+            return both.cost(from_keypoints(both, reach_far=False), held)
+
+        shown = [
+            film.over(segment, followed, scene.skeleton, method.density, self._sample)
+            for film in self._films
+        ]
+        return tuple(
+            films[0] if len(films) == 1 else min(films, key=cost) for films in shown if films
+        )
 
     def _keypoints_of(
         self, source: KeypointSource | None, segment: Segment, emit: Emit

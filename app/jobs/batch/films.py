@@ -192,6 +192,9 @@ def _film(table: Path, number: int, cells: Mapping[str, str]) -> FilmToDraft:
         raise FormatError(f"{row}, name: {called[:40]!r} cannot be the name of a folder.")
     orders = {order: of(**said[order]) for order, of in FILM_ORDERS.items()}
     others = tuple(_place(table, each) for each in beside if each)
+    gone = next((each for each in others if not each.exists()), None)
+    if gone is not None:
+        raise FormatError(f"{row}, beside: there is no film {str(gone)!r}.")
     return FilmToDraft(path, **orders, name=called, beside=others)
 
 

@@ -176,7 +176,7 @@ def _with_films(
 
 
 def _require_nothing_asked(film: FilmToDraft, path: Path) -> None:
-    if any(said(getattr(film, name)) for name in FILM_ORDERS):
+    if film.beside or any(said(getattr(film, name)) for name in FILM_ORDERS):
         raise SessionError(
             f"{path.parent.name} is there and was begun by hand, so what is said of its film does "
             "not count: leave that out, or begin anew with `keypose run` and --overwrite."

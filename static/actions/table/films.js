@@ -4,12 +4,13 @@ import { ui } from '../../store/state.js';
 import {
   chooseFilm,
   clockBy,
-  clockMessage,
   enlargeFilm,
   filmMeant,
+  placeMessage,
   signed,
   whyNoFilm,
   whyNotAddFilm,
+  whyNotPlace,
 } from '../films.js';
 
 /** @typedef {import('./action.js').Action} Action */
@@ -50,8 +51,17 @@ export const FILMS = {
     label: (about) => `Begin at ${signed(about?.at ?? filmMeant()?.also[0] ?? 0)}`,
     icon: 'repeat',
     title: 'The motion repeats itself: the film may as well begin here',
-    off: (about = filmMeant()) => whyNoFilm(about) || (about.also.length ? '' : 'It begins nowhere else'),
-    message: (about = filmMeant()) => clockMessage(about, about?.at ?? about?.also[0] ?? 0),
+    off: (about = filmMeant()) => whyNotPlace(about) || (about.also.length ? '' : 'It begins nowhere else'),
+    message: (about = filmMeant()) => placeMessage(about, about?.at ?? about?.also[0] ?? 0),
+  },
+  placeFilm: {
+    label: 'Find its camera again',
+    icon: 'wand',
+    also: 'second camera solve calibrate extrinsics place film',
+    alone: 'Find the other film’s camera again',
+    title: 'Where the film’s camera stands, found anew for the clock that it has by now',
+    off: whyNotPlace,
+    message: (film = filmMeant()) => placeMessage(film, film?.begins ?? 0),
   },
   enlargeFilm: {
     label: (film = filmMeant()) => (film && ui.filmLarge === film.id ? 'Shrink the film' : 'Enlarge the film'),

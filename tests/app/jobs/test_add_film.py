@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -18,7 +19,7 @@ from keypose.app.cli.main import main
 from keypose.app.document.new import new_session
 from keypose.app.document.open import copy_session
 from keypose.app.jobs import add_film
-from keypose.app.jobs.adding_film import AddFilm
+from keypose.app.jobs.adding_film import AddFilm, PlaceFilm
 from keypose.app.jobs.batch import make_session
 from keypose.app.jobs.batch.task import Task
 from keypose.app.jobs.job import Failed, Finished, Progress
@@ -45,6 +46,7 @@ from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.operations.films import close_all, films_beside, open_other_films
 from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.views import Clock
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.fingerprints import segment_keys
 from keypose.tracker.storage.results import load_results
@@ -145,14 +147,20 @@ def side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return write_video(tmp_path / "side.mp4", count, 2)
 
 
-def seen_in(monkeypatch: pytest.MonkeyPatch, joints: Array, count: int, T: Array = T_SIDE) -> None:
+def seen_in(
+    monkeypatch: pytest.MonkeyPatch,
+    joints: Array,
+    count: int,
+    T: Array = T_SIDE,
+    clock: FilmClock = CLOCK,
+) -> None:
     """What the detector sees in the second film."""
 
     class Network:
         fingerprint = "seen by nobody"
 
     def detect(*_: Any, **__: Any) -> Keypoints:
-        there = sampled(joints, CLOCK.moments_of(np.arange(count)))
+        there = sampled(joints, clock.moments_of(np.arange(count)))
         there = there @ T[:3, :3].T + T[:3, 3]
         return keypoints_of(there, Camera.guess(*SIZE), 2)
 
@@ -447,10 +455,58 @@ def test_a_film_of_a_camera_that_moves_is_refused(
     assert "The camera of side.mp4 moves" in capsys.readouterr().err
 
 
-def test_of_slow_motion_the_rate_is_said(tmp_path: Path, side: Path) -> None:
-    other = added(begun(tmp_path), side, "--begins", "3.4", "--recorded-fps", "60").views[1]
+def test_of_slow_motion_the_rate_is_said(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    count = 2 * (len(JOINTS_M) - 8)
+    seen_in(monkeypatch, JOINTS_M, count, clock=FilmClock(3.4, 2.0))
+    write_video(side, count, 2)
+    other = added(begun(tmp_path), side, "--recorded-fps", "60").views[1]
     assert other.clock is not None
     assert other.clock.rate == 2.0
+    assert abs(other.clock.begins - 3.4) < 0.3
+
+
+def test_a_frame_at_which_nothing_of_both_fits_is_refused(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    assert main(["add-film", str(path), str(side), *FROM_THE_SIDE, "--begins", "60"]) == 2
+    assert "no motion in common where it begins at 60" in capsys.readouterr().err
+
+
+def test_left_and_right_that_a_detector_exchanges_in_the_other_film_are_set_right(
+    tmp_path: Path, side: Path
+) -> None:
+    path = begun(tmp_path)
+    added(path, side)
+    main(["track", str(path)])
+    right = off_mm(path)
+    session = load_session(path)
+    keypoints = keypoints_of_session(session.alone("film-2"), tmp_path)
+    assert keypoints is not None
+    rows = slice(30, 61)
+    uv = keypoints.uv.copy()
+    uv[rows] = keypoints.exchanged().uv[rows]
+    alone = save_keypoints(session.alone("film-2"), path, replace(keypoints, uv=uv), "a detector")
+    view = session.views[1].model_copy(update={"keypoints": alone.view.keypoints})
+    save_session(session.model_copy(update={"views": (session.view, view)}), path)
+    main(["track", str(path)])
+    assert off_mm(path) < 2 * right + 5
+
+
+def test_a_third_film_leaves_the_cameras_of_the_others_where_they_are(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = begun(tmp_path)
+    second = added(path, side).views[1]
+    R = rotation_from_euler(0.0, np.radians(-70.0), 0.0)
+    seen_in(monkeypatch, JOINTS_M, len(JOINTS_M) - 8, transform(R, MIDDLE - R @ MIDDLE))
+    third = write_video(tmp_path / "third.mp4", len(JOINTS_M) - 8, 5)
+    session = added(path, third)
+    assert [view.id for view in session.views[1:]] == ["film-2", "film-3"]
+    assert session.views[1] == second
+    assert session.view.camera == Camera.from_focal_length(*SIZE, 30.0)
 
 
 def test_of_a_thing_no_camera_is_found(
@@ -510,3 +566,41 @@ def test_whom_to_look_at_is_said_without_what_only_a_command_has(
     assert isinstance(end, Failed)
     assert end.words.startswith(words)
     assert "--frame" not in end.words
+
+
+def test_for_another_moment_the_camera_is_found_anew_from_what_was_seen(
+    tmp_path: Path, side: Path
+) -> None:
+    path = begun(tmp_path)
+    first, film = added(path, side).views
+    true = film.film_clock.begins
+    elsewhere = {
+        "clock": Clock(begins=9.0, also=(true, 40.0)),
+        "p_camera_world": (3.0, 0.0, 9.0),
+        "R_camera_world_wxyz": (1.0, 0.0, 0.0, 0.0),
+    }
+    session = load_session(path)
+    session = session.model_copy(update={"views": (first, film.model_copy(update=elsewhere))})
+    save_session(session, path)
+    job = PlaceFilm(path.read_bytes(), "", str(tmp_path), film.id, true)
+    *_, end = reported(job, None)
+    assert isinstance(end, Finished), end
+    again = end.result.session.views[1]
+    assert (again.clock.begins, again.clock.also, again.clock.sigma) == (true, (9.0, 40.0), None)
+    assert again.keypoints == film.keypoints
+    R = again.T_camera_world[:3, :3] @ film.T_camera_world[:3, :3].T
+    assert np.degrees(np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1))) < 4.0
+    assert again.p_camera_world == pytest.approx(film.p_camera_world, abs=0.3)
+    assert "side.mp4 begins 3." in end.result.words
+
+
+def test_of_a_film_of_which_nothing_is_known_no_camera_is_found(tmp_path: Path, side: Path) -> None:
+    path = begun(tmp_path)
+    first, film = added(path, side).views
+    film = film.model_copy(update={"keypoints": None})
+    save_session(load_session(path).model_copy(update={"views": (first, film)}), path)
+    *_, end = reported(PlaceFilm(path.read_bytes(), "", str(tmp_path), film.id, 4.0), None)
+    assert isinstance(end, Failed)
+    assert end.words == (
+        "Nothing is known of the person in side.mp4: remove the film and add it again."
+    )

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.app.jobs.adding_film import AddFilm
+from keypose.app.jobs.adding_film import AddFilm, PlaceFilm
 from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.working import queue
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
@@ -135,3 +135,39 @@ async def test_a_file_that_is_gone_is_said_in_one_sentence(desk: Desk) -> None:
 
 async def test_asked_twice_it_is_added_once(desk: Desk) -> None:
     assert len(await desk.ask(ASKED, ASKED)) == 1
+
+
+async def test_a_film_that_begins_elsewhere_gets_its_camera_in_one_step(desk: Desk) -> None:
+    (job,) = await desk.ask(ASKED)
+    Worker.newest.end(found(job))
+    before = desk.doc
+    desk.do({"do": "place_film", "view": "film-2", "begins": 31.5})
+    place = Worker.newest.of(PlaceFilm)[-1]
+    assert (place.view, place.begins) == ("film-2", 31.5)
+    doc = Session.model_validate_json(place.session)
+    film = doc.views[1].model_copy(
+        update={"clock": Clock(begins=31.5), "p_camera_world": (1.0, 0.0, 4.0)}
+    )
+    session = doc.model_copy(update={"views": (doc.view, film)})
+    rows = np.full((5, len(JOINTS), 2), 7.0)
+    keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
+    Worker.newest.end(FoundFilm(session, keypoints, "abc", 2, "side.mp4 begins 31.5 frames later."))
+    assert desk.doc.views[1].clock.begins == 31.5
+    assert desk.doc.views[1].p_camera_world == (1.0, 0.0, 4.0)
+    assert desk.doc.views[1].keypoints == before.views[1].keypoints
+    desk.do({"do": "undo"})
+    assert desk.doc == before
+
+
+@pytest.mark.parametrize(
+    ("view", "begins", "words"),
+    [("film-9", 3.0, "not in the session any more"), ("film-2", 1e6, "nothing of the first")],
+)
+async def test_a_camera_that_cannot_be_found_is_not_looked_for(
+    desk: Desk, view: str, begins: float, words: str
+) -> None:
+    (job,) = await desk.ask(ASKED)
+    Worker.newest.end(found(job))
+    desk.do({"do": "place_film", "view": view, "begins": begins})
+    assert Worker.newest.of(PlaceFilm) == []
+    assert any(words in each for each in desk.words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
 from pathlib import Path
@@ -34,8 +35,10 @@ def calibrated_pairs(path: Path, first: View, film: View) -> list[CalibratedPair
     name is taken for that film's. FormatError in one sentence where there is none."""
     pairs: list[CalibratedPair] = []
     why: FormatError | None = None
-    for camera, beside in permutations(load_calibration(path), 2):
-        if not (_may_be(camera, first, film) and _may_be(beside, film, first)):
+    cameras = load_calibration(path)
+    own, others = _of_film(cameras, first), _of_film(cameras, film)
+    for camera, beside in permutations(cameras, 2):
+        if camera not in own or beside not in others:
             continue
         try:
             lens = camera.seeing(path.name, _size(first))
@@ -54,8 +57,9 @@ def _size(view: View) -> tuple[int, int]:
     return view.camera.width, view.camera.height
 
 
-def _may_be(camera: CalibratedCamera, view: View, other_view: View) -> bool:
-    """Whether a camera may have taken a film, by its name: not where that is in the other's."""
-    name = camera.name.lower()
-    names = [Path(each.video.path).stem.lower() for each in (view, other_view)]
-    return name in names[0] or name not in names[1]
+def _of_film(cameras: Sequence[CalibratedCamera], view: View) -> list[CalibratedCamera]:
+    """The cameras that may have taken a film: those whose names are in its file's; all where none
+    is."""
+    stem = Path(view.video.path).stem.lower()
+    named = [camera for camera in cameras if camera.name.lower() in stem]
+    return named or list(cameras)

@@ -69,6 +69,8 @@ class CalibratedCamera:
 
 
 def _five(values: tuple[float, ...]) -> tuple[float, float, float, float, float]:
+    if any(values[5:]):
+        raise FormatError("A lens has more than five numbers of distortion: such are not read.")
     k1, k2, p1, p2, k3 = (*values, *(0.0,) * 5)[:5]
     return k1, k2, p1, p2, k3
 
@@ -86,7 +88,9 @@ def load_calibration(path: Path) -> tuple[CalibratedCamera, ...]:
         raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
     try:
         cameras = read(content.decode("utf-8"))
-    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, SyntaxError):
+    except FormatError:
+        raise
+    except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, SyntaxError):
         raise FormatError(f"{path.name} is damaged, or no calibration: {EXPECTED}.") from None
     if len(cameras) < 2:
         raise FormatError(f"{path.name} has fewer than two cameras.")
@@ -101,6 +105,8 @@ def _from_toml(text: str) -> list[CalibratedCamera]:
     for key, table in tomllib.loads(text).items():
         if not isinstance(table, dict) or "matrix" not in table:
             continue
+        if table.get("fisheye"):
+            raise FormatError(f"{table.get('name', key)} is a fisheye: such lenses are not read.")
         K = np.array(table["matrix"], np.float64).reshape(3, 3)
         turn = np.array(table["rotation"], np.float64).reshape(3, 1)
         shift = np.array(table["translation"], np.float64).reshape(3)
@@ -185,7 +191,7 @@ def _from_opencv(text: str) -> list[CalibratedCamera]:
                 _size_of(text),
                 (float(K[0, 0]), float(K[1, 1])),
                 (float(K[0, 2]), float(K[1, 2])),
-                distortion[:5],
+                distortion,
                 T,
             )
         )
@@ -193,7 +199,8 @@ def _from_opencv(text: str) -> list[CalibratedCamera]:
 
 
 def _of(matrices: Mapping[str, Array], names: tuple[str, ...], number: int) -> Array:
-    return next(matrices[f"{name}{number}"] for name in names if f"{name}{number}" in matrices)
+    numbered = [f"{name}{number}" for name in names]
+    return matrices[next((name for name in numbered if name in matrices), numbered[0])]
 
 
 def _size_of(text: str) -> Size | None:

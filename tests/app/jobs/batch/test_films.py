@@ -48,6 +48,7 @@ def test_what_is_empty_in_a_table_is_left_out(tmp_path: Path) -> None:
 
 
 def test_a_row_names_other_films_of_its_motion_from_the_tables_folder_on(tmp_path: Path) -> None:
+    touch(tmp_path, "b.mp4", "more/c.mp4")
     (film,) = read_table(table(tmp_path, "film,beside", "a.mp4,b.mp4 | more/c.mp4"))
     assert film.beside == (tmp_path / "b.mp4", tmp_path / "more" / "c.mp4")
 
@@ -65,6 +66,10 @@ WRONG = {
         "films.csv, row 3, box: 'him' is not a box",
     ),
     "a wrong body": (("film,body", "a.mp4,giant"), "row 2, body: invalid choice: 'giant'"),
+    "another film that is gone": (
+        ("film,beside", "a.mp4,gone.mp4"),
+        "films.csv, row 2, beside: there is no film",
+    ),
     "two lenses": (
         ("film,lens,field_of_view", "a.mp4,26,60"),
         "row 2: field_of_view and lens",
