@@ -361,7 +361,8 @@ def _require_room(session: Session) -> None:
         )
     if session.camera_path is not None or session.has_unknown_motion:
         raise SessionError(
-            "The first film's camera moves: films are added to one whose camera stands still."
+            "The first film's camera moves: films are added to one whose camera stands still. "
+            "If this one does, say so first (in the Camera tab, or keypose camera --kind static)."
         )
     if len(session.views) >= MOST_FILMS:
         raise SessionError(f"The session has {MOST_FILMS} films already, which are the most.")

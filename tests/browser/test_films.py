@@ -74,7 +74,8 @@ def work(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         shutil.copy(path.parent / "person.mp4", path.parent / "side.mp4")
         doc = load_session(path)
         video = doc.view.video.model_copy(update={"path": "side.mp4"})
-        save_session(with_film(doc, CLOCK, video=video), path)
+        settings = doc.settings.model_copy(update={"static_camera": True})
+        save_session(with_film(doc.changed({"settings": settings}), CLOCK, video=video), path)
 
     with desk(browser, tmp_path_factory.mktemp("films"), size=(1366, 768), begin=begin) as made:
         made.page.keyboard.press("Escape")
