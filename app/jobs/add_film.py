@@ -27,7 +27,7 @@ from keypose.tracker.films.offset import CLOSE, MOST_COST, FoundOffset, OffsetSe
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair, calibrated_pairs
 from keypose.tracker.geometry.film_clock import FilmClock
-from keypose.tracker.geometry.rotations import Array, log_rotation, quaternion_wxyz, transpose
+from keypose.tracker.geometry.rotations import Array, quaternion_wxyz
 from keypose.tracker.keypoints.detect import Seed, detect
 from keypose.tracker.keypoints.detectors import open_detector
 from keypose.tracker.keypoints.find_people import PeopleInFilm, spread_frames
@@ -288,9 +288,7 @@ class Laid:
         """By how much the body shows the film's camera turned from where the calibration has it."""
         if self.pair is None or not self.offsets:
             return 0.0
-        there = self.offsets[0].camera.T_camera_first[:3, :3]
-        turn = log_rotation(there @ transpose(self.pair.T_film_first[:3, :3]))
-        return float(np.degrees(np.linalg.norm(turn)))
+        return self.pair.turned_deg(self.offsets[0].camera.T_camera_first)
 
 
 def _best(tried: Sequence[Laid]) -> Laid:

@@ -72,8 +72,7 @@ def pair_words(pair: CalibratedPair, view: View) -> str:
     """Such as "rig.toml: the films are its cameras cam03 and cam02. The body shows cam02 turned by
     1.6° from where the file has it."."""
     first, second = pair.names
-    turn = view.T_camera_world[:3, :3] @ transpose(pair.T_film_first[:3, :3])
-    off = np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1.0, 1.0)))
+    off = pair.turned_deg(view.T_camera_world)
     return (
         f"{pair.file}: the films are its cameras {first} and {second}. The body shows {second} "
         f"turned by {off:.1f}° from where the file has it."

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.films.sightings import Sightings
-from keypose.tracker.geometry.rotations import Array, exp_rotation, transpose
+from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from keypose.tracker.solver.robust import Cauchy
@@ -403,12 +403,3 @@ def _meeting(xy: Array, Ts: Array, weight: Array) -> tuple[Array, Array]:
 def _solved(A: Array, b: Array) -> Array:
     scale = np.einsum("...ii->...", A)[..., None, None] + 1.0
     return np.asarray(np.linalg.solve(A + 1e-12 * scale * np.eye(3), b[..., None])[..., 0])
-
-
-def relative(T_camera_world: Array, T_first_world: Array) -> Array:
-    """T_camera_first (4, 4)."""
-    R = T_camera_world[:3, :3] @ transpose(T_first_world[:3, :3])
-    T = np.eye(4)
-    T[:3, :3] = R
-    T[:3, 3] = T_camera_world[:3, 3] - R @ T_first_world[:3, 3]
-    return T

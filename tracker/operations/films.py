@@ -13,6 +13,7 @@ from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import sampled
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.session.between_views import T_film_first
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.views import View
 from keypose.tracker.storage.files import open_video_of
@@ -99,8 +100,7 @@ def seen_in_films(
     """What every film of a session shows at a frame of the first.  keypoints: by the view's id."""
     sights = []
     for view in session.views:
-        alone, is_first = session.alone(view.id), view is session.view
-        moment, own = np.array([float(frame)]), view.film_clock.frames_at([frame])
+        alone, own = session.alone(view.id), view.film_clock.frames_at([frame])
         inside = 0 <= own[0] <= view.video.frame_count - 1
         if view.id not in keypoints or not inside:
             continue
@@ -110,7 +110,7 @@ def seen_in_films(
         visibility = np.nan_to_num(sampled(joints_in(over, over.visibility), own)[0])
         ideal = camera.without_distortion()
         uv = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
-        T = np.eye(4) if is_first else _between(session, alone, view, moment, own, False)[0]
+        T = T_film_first(session, view, frame)
         sights.append(SeenInFilm(ideal, T, uv, visibility))
     return sights
 
@@ -121,31 +121,25 @@ def _between(
     view: View,
     moments: Array,
     frames: Array,
-    steadied: bool = True,
 ) -> Array:
     """(K, 4, 4) from the first camera's frame at moments of its film to the view's at the frames of
-    its own that were taken then.
-
-    steadied: each as its film is tracked, where its camera moves; otherwise as it was filmed.
-    """
-    to_world = _path_at(session, moments, steadied)
-    from_world = _path_at(alone, frames, steadied)
+    its own that were taken then, each as its film is tracked."""
+    to_world = _path_at(session, moments)
+    from_world = _path_at(alone, frames)
     T = np.broadcast_to(view.T_camera_world, (len(moments), 4, 4))
     if from_world is not None:
         T = from_world.Ts_camera_world @ T
     return T if to_world is None else np.asarray(T @ to_world.Ts_world_camera)
 
 
-def _path_at(session: Session, frames: Array, steadied: bool) -> CameraPath | None:
-    """Where the first view's camera was at frames, with fractions; None where it stands still.
-
-    steadied: the camera in whose place its film is tracked.
-    """
+def _path_at(session: Session, frames: Array) -> CameraPath | None:
+    """Where the camera was, in whose place the first view's film is tracked, at frames with
+    fractions; None where it stands still."""
     path, steady = session.camera_path, steady_camera(session)
     if path is None:
         return None
     Ts = path.Ts_camera_world
-    if steady is not None and steadied:
+    if steady is not None:
         Ts = steady.Ts_steady_camera @ Ts
     inside = np.clip(frames, 0, len(path) - 1)
     return CameraPath(Ts, np.ones(len(path))).sampled(inside)

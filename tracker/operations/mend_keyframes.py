@@ -19,13 +19,12 @@ LEAST_M = 0.005
 class MendedKeyframes:
     """A session with its keyframes as all films show them.
 
-    moved_m: by frame, how far joints were moved in the median.  alone: frames of keyframes that
-        fewer than two films see: they are as they were.
+    moved_m: by frame, how far joints were moved in the median; those that fewer than two films see
+        are not there, and as they were.
     """
 
     session: Session
     moved_m: Mapping[int, float]
-    alone: tuple[int, ...]
 
 
 def mend_keyframes(session: Session, keypoints: Mapping[str, Keypoints]) -> MendedKeyframes:
@@ -37,12 +36,9 @@ def mend_keyframes(session: Session, keypoints: Mapping[str, Keypoints]) -> Mend
     skeleton = Skeleton.of(subject.body)
     keyframes: list[Keyframe] = []
     moved_m: dict[int, float] = {}
-    alone: list[int] = []
     for keyframe in subject.keyframes:
         sights = seen_in_films(session, keypoints, keyframe.frame)
         better = mended(subject.body, keyframe.pose(skeleton), sights)
-        if better is None:
-            alone.append(keyframe.frame)
         if better is None or better.moved_m < LEAST_M:
             keyframes.append(keyframe)
             continue
@@ -51,4 +47,4 @@ def mend_keyframes(session: Session, keypoints: Mapping[str, Keypoints]) -> Mend
         keyframes.append(keyframe.model_copy(update=place))
         moved_m[keyframe.frame] = better.moved_m
     after = session.changed({"keyframes": tuple(keyframes)})
-    return MendedKeyframes(after, moved_m, tuple(alone))
+    return MendedKeyframes(after, moved_m)

@@ -12,7 +12,7 @@ import numpy as np
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.cameras.calibrations import CalibratedCamera, load_calibration
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 from keypose.tracker.session.views import View
 
 
@@ -28,6 +28,11 @@ class CalibratedPair:
     first: Camera
     film: Camera
     T_film_first: Array
+
+    def turned_deg(self, T_film_first: Array) -> float:
+        """By how much the film's camera is turned from where the file has it."""
+        turn = log_rotation(T_film_first[:3, :3] @ transpose(self.T_film_first[:3, :3]))
+        return float(np.degrees(np.linalg.norm(turn)))
 
 
 def calibrated_pairs(path: Path, first: View, film: View) -> list[CalibratedPair]:
