@@ -16,6 +16,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe, Softness
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import FARTHEST_M
+from keypose.tracker.session.views import View
 from keypose.tracker.storage import changes
 
 
@@ -45,6 +46,14 @@ def require_in_video(doc: Session, frame: int) -> int:
     if frame >= frame_count:
         raise ActionRefused(f"The video has frames 0 to {frame_count - 1}.")
     return frame
+
+
+def film_of(doc: Session, view_id: str) -> View:
+    """A view after the first, by its id; refused where there is none."""
+    for view in doc.views[1:]:
+        if view.id == view_id:
+            return view
+    raise ActionRefused("This film is not in the session any more.")
 
 
 def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:

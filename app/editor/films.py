@@ -8,7 +8,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat
 
-from keypose.app.editor.documents import ActionRefused
+from keypose.app.editor.documents import ActionRefused, film_of
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.tracker.geometry.film_clock import FilmClock
@@ -65,14 +65,6 @@ MESSAGES = (MoveFilmClock, RemoveFilm)
 
 def _with_films(doc: Session, films: Iterable[View]) -> Session:
     return doc.model_copy(update={"views": (doc.view, *films)})
-
-
-def film_of(doc: Session, view_id: str) -> View:
-    """A view after the first, by its id; refused where there is none."""
-    for view in doc.views[1:]:
-        if view.id == view_id:
-            return view
-    raise ActionRefused("This film is not in the session any more.")
 
 
 def choices_beside(view: View, begins: float) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.app.editor.documents import film_of
 from keypose.app.posing import (
     Eye,
     PointerView,
@@ -22,6 +23,7 @@ from keypose.tracker.body.trajectory import blended, carried
 from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewName
+from keypose.tracker.session.between_views import T_film_first, lens_in
 from keypose.tracker.session.schema import Session
 
 
@@ -55,8 +57,10 @@ def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:
     return rotations, T[:3, 3]
 
 
-def pointer_views(doc: Session, frame: int, eye: Eye | None = None) -> dict[str, PointerView]:
-    """main, top, side and front at a frame; with an eye also free."""
+def pointer_views(
+    doc: Session, frame: int, eye: Eye | None = None, film: str | None = None
+) -> dict[str, PointerView]:
+    """main, top, side and front at a frame; with an eye also free, with a view's id also film."""
     views: dict[str, PointerView] = {"main": PointerView.of(doc.film_camera.at(frame))}
     rotations, origin = views_of(doc, frame)
     for name, R in rotations.items():
@@ -64,6 +68,9 @@ def pointer_views(doc: Session, frame: int, eye: Eye | None = None) -> dict[str,
     if eye is not None:
         R = eye_rotation(eye.azimuth_deg, eye.elevation_deg) @ rotations["front"]
         views["free"] = PointerView.free(R, eye.at_m)
+    if film is not None:
+        view = film_of(doc, film)
+        views["film"] = PointerView.film(lens_in(doc, view, frame), T_film_first(doc, view, frame))
     return views
 
 

@@ -108,7 +108,7 @@ class Drag(Edit, Gesture):
             before.doc.subject.body,
             pose,
             self,
-            pointer_views(before.doc, before.frame, self.eye),
+            pointer_views(before.doc, before.frame, self.eye, self.film),
             limits_on=looks.limits,
             axes_frame=looks.axes,
             linked=looks.link,

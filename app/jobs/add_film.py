@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
-from keypose.app.editor.documents import seen_as_before
-from keypose.app.editor.films import choices_beside, film_of
+from keypose.app.editor.documents import film_of, seen_as_before
+from keypose.app.editor.films import choices_beside
 from keypose.app.jobs.film_session import people_seen
 from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.orders.film import BesideOrder

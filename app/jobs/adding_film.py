@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
-from keypose.app.editor.films import film_of, require_overlap
+from keypose.app.editor.documents import film_of
+from keypose.app.editor.films import require_overlap
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.jobs.job import Context

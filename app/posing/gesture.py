@@ -21,9 +21,10 @@ from keypose.tracker.body.body import Body, Name
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, nearest_rotation
+from keypose.tracker.session.settings import SceneId
 
 Axis: TypeAlias = Literal["x", "y", "z"]
-ViewOfPage: TypeAlias = Literal["main", "top", "side", "front", "free"]
+ViewOfPage: TypeAlias = Literal["main", "top", "side", "front", "free", "film"]
 AxesFrame: TypeAlias = Literal["part", "parent", "view"]
 Tool: TypeAlias = Literal["rotate", "move", "ends"]
 Coordinate: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
@@ -102,15 +103,19 @@ Handle: TypeAlias = Annotated[
 
 
 class InView(_Plain):
-    """What happens in a view. eye: of the free one, which alone has one."""
+    """What happens in a view. eye: of the free one, which alone has one. film: whose picture the
+    view of another film shows, by the id of its view in the session."""
 
     view: ViewOfPage
     eye: Eye | None = None
+    film: SceneId | None = None
 
     @model_validator(mode="after")
-    def _free_view_has_an_eye(self) -> Self:
+    def _says_from_where_it_is_seen(self) -> Self:
         if (self.view == "free") != (self.eye is not None):
             raise ValueError("an eye goes with the free view, and only with it")
+        if (self.view == "film") != (self.film is not None):
+            raise ValueError("a film goes with the view of another film, and only with it")
         return self
 
 
@@ -118,8 +123,9 @@ class Gesture(InView):
     """A drag from where the pointer went down to where it is now, in the view's coordinates.
 
     snap: steps of 5° or 1 cm.  free: joint limits do not count.  axis: only along or about this
-    axis.  depth: up and down in the view mean farther and nearer.  carry: what would stay in
-    its place goes along, unless it is pinned.
+    axis.  depth: up and down in the view mean farther and nearer; that of another film goes along
+    the first one's line of sight.  carry: what would stay in its place goes along, unless it is
+    pinned.
     """
 
     model_config = ConfigDict(

@@ -51,6 +51,9 @@ def aim(view: PointerView, p_camera: Array, gesture: Gesture) -> Aim:
     if gesture.axis is not None:
         direction = np.eye(3)["xyz".index(gesture.axis)]
         return _along(view, p_camera, direction, _on_axis(view, p_camera, direction, gesture))
+    if gesture.depth and view.is_other_films:
+        sight = unit(p_camera)
+        return _along(view, p_camera, sight, _on_axis(view, p_camera, sight, gesture))
     if gesture.depth:
         direction = view.ray_through(p_camera)
         return _along(
@@ -105,7 +108,8 @@ def _on_axis(view: PointerView, p_camera: Array, direction: Array, gesture: Gest
 def move_root(context: GestureContext, view: PointerView, gesture: Gesture) -> Posed:
     """The whole body carried: along the picture at its depth, or in depth, or along one axis."""
     start = context.pose.p_camera_root
-    if gesture.depth and gesture.axis is None and view.camera is not None:
+    by_size = view.camera is not None and not view.is_other_films
+    if gesture.depth and gesture.axis is None and by_size:
         goal = _farther(view, start, gesture)
     else:
         goal = aim(view, start, gesture)

@@ -1,8 +1,9 @@
 """Map between a view and space as the pointer does, and pick parts under it.
 
 View coordinates are pixels (u, v) of the rectified picture in the main view, metres to the right
-and down, from the camera's centre, in the three small ones, and in the free view pixels of a
-picture with its centre at 0 and a focal length of `FREE_FOCAL`.
+and down, from the camera's centre, in the three small ones, in the view of another film
+pixels of its own, and in the free view pixels of a picture with its centre at 0 and a focal length
+of `FREE_FOCAL`.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ _FREE = Camera(width=1000, height=1000, fx=FREE_FOCAL, fy=FREE_FOCAL, cx=0.0, cy
 
 @dataclass(frozen=True, eq=False)
 class PointerView:
-    """The main view through a camera with an ideal lens, a view along parallel rays, or the free
-    one through a camera that stands anywhere.
+    """The main view through a camera with an ideal lens, a view along parallel rays, or one through
+    a camera that stands anywhere: the free one, or another film's.
 
     R_view_camera: (3, 3) the view's axes, right, down and away, in the camera frame, as rows.
     camera:        the lens; None for parallel rays.
@@ -60,10 +61,23 @@ class PointerView:
         """The free view from a place, looking along the third row."""
         return cls("free", frozen(R_view_camera), _FREE, frozen(p_camera_eye))
 
+    @classmethod
+    def film(cls, camera: Camera, T_film_camera: Array) -> PointerView:
+        """The picture of another film as `rectify` shows it, through its own lens."""
+        R = T_film_camera[:3, :3]
+        return cls(
+            "film", frozen(R), camera.without_distortion(), frozen(-R.T @ T_film_camera[:3, 3])
+        )
+
     @property
     def is_films(self) -> bool:
-        """Whether it is the film's own camera, which keeps the body's depth."""
-        return self.camera is not None and self.name != "free"
+        """Whether it is the first film's own camera, along whose lines of sight depth goes."""
+        return self.name == "main"
+
+    @property
+    def is_other_films(self) -> bool:
+        """Whether it is the camera of another film, which sees what the first one does not."""
+        return self.name == "film"
 
     @property
     def is_perspective(self) -> bool:

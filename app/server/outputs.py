@@ -14,6 +14,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from keypose.app.editor.copy_paste import copied_from
+from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import pointer_views
 from keypose.app.editor.message import Message
 from keypose.app.editor.motion import feet_paths
@@ -95,9 +96,11 @@ class Outputs:
             return {**reply, "parts": [], "outline": [], "words": one_sentence(error)}
         if isinstance(question, CopiedText):
             return {**reply, "text": _copied_text(edit, question)}
-        if edit is None:
-            return {**reply, "parts": [], "outline": []}
-        return {**reply, **_picked(edit, question)}
+        nothing: dict[str, Any] = {"parts": [], "outline": []}
+        try:
+            return {**reply, **(nothing if edit is None else _picked(edit, question))}
+        except ActionRefused as error:
+            return {**reply, **nothing, "words": str(error)}
 
     async def _picture(self, request: Request) -> Response:
         try:
@@ -165,7 +168,7 @@ def _copied_text(edit: EditorState | None, question: CopiedText) -> str | None:
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
-    view = pointer_views(edit.doc, edit.frame, question.eye)[question.view]
+    view = pointer_views(edit.doc, edit.frame, question.eye, question.film)[question.view]
     pose = shown_pose(edit).pose
     parts = parts_at(edit.skeleton, pose, view, question.at)
     edge = outline(edit.skeleton, pose, view, parts[0]).round(4).tolist() if parts else []

@@ -2,7 +2,9 @@
 
 import { openChooser } from '../controls/dialogs.js';
 import { isSurface } from '../store/clip.js';
+import { films, largeFilm } from '../store/films.js';
 import { server, setUi, ui } from '../store/state.js';
+import { showLarge } from '../views/views.js';
 
 /** @typedef {import('../store/shapes.js').Film} Film */
 
@@ -11,11 +13,8 @@ const DIGITS = 4;
 /** A clock is moved by so much of a frame while Shift is down. */
 export const FINE = 0.1;
 
-/** The films besides the first. @returns {Film[]} */
-export const films = () => server.films ?? [];
-
 /** The one that is meant where none is named: the enlarged one, else the first of them. */
-export const filmMeant = () => films().find(({ id }) => id === ui.filmLarge) ?? films()[0];
+export const filmMeant = () => largeFilm() ?? films()[0];
 
 /** Why no clock of a film can be moved, and none removed. */
 export const whyNoFilm = (film = filmMeant()) => (film ? '' : 'There is no other film');
@@ -58,7 +57,15 @@ export function clockBy(steps, film = filmMeant()) {
 /** "+3.4" */
 export const signed = (frames) => `${frames < 0 ? '−' : '+'}${Math.abs(frames).toFixed(1)}`;
 
-/** The film takes half of the view, or its corner again. */
+/** The film stands beside the large view, in the place of the small ones, or in its corner again. */
 export function enlargeFilm(film = filmMeant()) {
-  setUi('filmLarge', ui.filmLarge === film.id ? null : film.id);
+  const isLarge = film.id === largeFilm()?.id;
+  if (!isLarge && ui.layout === 'quad') showLarge('quad');
+  setUi('filmLarge', isLarge ? null : film.id);
+}
+
+/** Each of them in turn, and then none: for a key. */
+export function nextFilm() {
+  const at = films().indexOf(largeFilm());
+  enlargeFilm(films()[at + 1] ?? films()[at]);
 }

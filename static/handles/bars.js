@@ -25,7 +25,7 @@ import { partNamed } from '../store/parts.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { onViews, view as viewNamed, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { drawBoxAt } from './box.js';
-import { filmCards, mountFilms } from './films.js';
+import { drawFilmBars, filmCards, mountFilms } from './films.js';
 import { isHandleCoveredBy } from './floating.js';
 import { displaybar, mountOrbitHint, onSlide, orbitHint, tintbar, toolbar } from './displaybar.js';
 import { interaction, onInteraction } from './interaction.js';
@@ -286,7 +286,8 @@ function draw() {
   if (place && host.parentElement !== place) place.append(host);
   host.classList.toggle('quad', ui.layout === 'quad');
   render(server.file && server.view ? bars() : nothing, host);
-  for (const bar of host.querySelectorAll('.glass')) {
+  drawFilmBars();
+  for (const bar of document.querySelectorAll('.bars .glass')) {
     bar.classList.toggle('faded', interaction.drag !== null || (!stays(bar) && isHandleCoveredBy(bar)));
   }
 }

@@ -150,7 +150,15 @@ export function beginDrag(view, press, messageAt, extra) {
   };
   setUi('playing', false);
   setUi('dragging', true);
+  setUi('sight', sightOf(view, extra));
   redrawSoon();
+}
+
+/** What is dragged along a film's picture is seen from that film's camera. */
+function sightOf(view, { target }) {
+  const grip = server.body?.handles.find(({ name }) => target?.key === `grip:${name}`);
+  const isFilms = view.name === 'main' || view.name === 'film';
+  return grip && isFilms ? { anchor: grip.anchor, place: view.eye.place ?? [0, 0, 0] } : null;
 }
 
 /** The pointer moved: with Shift the virtual pointer goes a tenth of the way. */
@@ -192,5 +200,6 @@ function finish(word) {
   interaction.drag = null;
   if ('limb' in drag) setUi('limb', drag.limb ?? null);
   setUi('dragging', false);
+  setUi('sight', null);
   redrawSoon();
 }

@@ -1,14 +1,16 @@
 // The other films of the motion, as cards in the lower left corner of the large view: the picture with
-// the body over it, and the film's clock.
+// the body over it, and the film's clock; and the bars over the one that stands beside it.
 
-import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { perform, titleOf } from '../actions/actions.js';
 import { actionIcon, menuItem } from '../actions/buttons.js';
-import { clockMessage, films, FINE, signed } from '../actions/films.js';
+import { clockMessage, FINE, signed } from '../actions/films.js';
 import { iconButton, numberField } from '../controls/fields.js';
 import { line, openMenuAt } from '../controls/menu.js';
-import { ui, watch } from '../store/state.js';
+import { films, largeFilm } from '../store/films.js';
+import { watch } from '../store/state.js';
 import { FilmPicture } from '../views/film_picture.js';
+import { view as viewNamed } from '../views/views.js';
 import { isFine } from './drag.js';
 
 /** @typedef {import('../store/shapes.js').Film} Film */
@@ -21,22 +23,29 @@ const LEAST_SAID = 0.05;
 
 /** @type {Map<string, FilmPicture>} */
 const pictures = new Map();
+const bars = document.createElement('div');
 let redraw = () => {};
 
 /** @param {() => void} draw  Draws the bars anew. */
 export function mountFilms(draw) {
   redraw = draw;
-  watch(['films', 'pose', 'solids', 'body', 'view', 'u:filmLarge'], follow);
+  bars.className = 'bars';
+  viewNamed('film').el.append(bars);
+  viewNamed('film').told = draw;
+  watch(['films', 'pose', 'solids', 'body', 'view', 'u:filmLarge', 'u:sight'], follow);
 }
 
+/** Those that are shown as cards. */
+const inCards = () => films().filter((film) => film !== largeFilm());
+
 function follow() {
-  const there = new Set(films().map(({ id }) => id));
+  const there = new Set(inCards().map(({ id }) => id));
   for (const [id, picture] of pictures) {
     if (there.has(id)) continue;
     picture.close();
     pictures.delete(id);
   }
-  for (const film of films()) pictureOf(film).follow(film);
+  for (const film of inCards()) pictureOf(film).follow(film);
 }
 
 /** @param {Film} film */
@@ -47,19 +56,35 @@ function pictureOf({ id }) {
 }
 
 export function filmCards() {
-  if (!films().length) return nothing;
-  return html`<div class="films ${films().length > FEW ? 'many' : ''}">${films().map(card)}</div>`;
+  const cards = inCards();
+  if (!cards.length) return nothing;
+  return html`<div class="films ${cards.length > FEW ? 'many' : ''}">${cards.map(card)}</div>`;
+}
+
+/** Draw the bars over the film that stands beside the large view. */
+export function drawFilmBars() {
+  const film = largeFilm();
+  render(film ? filmBars(film) : nothing, bars);
+}
+
+/** @param {Film} film */
+function filmBars(film) {
+  const { id, name, words } = film;
+  return html`<div class="glass row" id="fhead" data-film=${id}>
+      <span class="cut b" title=${words}>${name}</span>${more(film, '#fhead .ib')}
+      <span class="vsep"></span>${actionIcon('enlargeFilm', film)}</div>
+    <div class="glass row filmclock" id="fclock">${clock(film)}</div>
+    ${lacking(film, viewNamed('film').why)}`;
 }
 
 /** @param {Film} film */
 function card(film) {
   const { id, name, words, camera } = film;
   const picture = pictureOf(film);
-  const isLarge = ui.filmLarge === id;
-  return html`<section class="glass filmcard ${isLarge ? 'large' : ''}" data-film=${id} aria-label="Film ${name}"
+  return html`<section class="glass filmcard" data-film=${id} aria-label="Film ${name}"
     style="--shape:${camera.width / camera.height}">
     <div class="row filmhead"><span class="cut b" title=${words}>${name}</span><span
-      class="sp"></span>${more(film)}</div>
+      class="sp"></span>${more(film, `[data-film="${id}"] .filmhead .ib`)}</div>
     <div class="filmpic" title=${titleOf('enlargeFilm', film)} @click=${() => perform('enlargeFilm', film)}>
       <div class="filmboth">${picture.picture}${picture.figure}</div>${lacking(film, picture.why)}</div>
     <div class="row filmclock">${clock(film)}</div>
@@ -101,10 +126,10 @@ function also(film) {
   );
 }
 
-/** @param {Film} film */
-function more(film) {
+/** @param {Film} film @param {string} place  Of the button, a selector. */
+function more(film, place) {
   const act = () => {
-    const { left, bottom } = document.querySelector(`[data-film="${film.id}"] .filmhead .ib`).getBoundingClientRect();
+    const { left, bottom } = document.querySelector(place).getBoundingClientRect();
     openMenuAt(
       `Menu of ${film.name}`,
       [

@@ -4,6 +4,7 @@
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
+import { sightSeen } from '../views/sight.js';
 import { interaction, isDragged, isHot } from './interaction.js';
 import { isOfPlace } from './marks.js';
 import { gripScale, isLarge } from './scale.js';
@@ -64,7 +65,16 @@ export function drawReach(view, grips) {
   const grip = grips.find(isDragged);
   return svg`${gesture?.reach ? drawCircle(view, gesture.reach) : nothing}
     ${grip ? drawOrigin(view, grip) : nothing}
-    ${grip && view.name !== 'main' ? drawDepth(view, grip) : nothing}`;
+    ${grip && !isFilms(view) ? drawDepth(view, grip) : nothing}
+    ${isFilms(view) && interaction.drag?.view !== view.name ? drawSight(view) : nothing}`;
+}
+
+const isFilms = ({ name }) => name === 'main' || name === 'film';
+
+/** In the picture of a film: where a joint may lie that is being dragged in another one's. */
+function drawSight(view) {
+  const line = sightSeen((p) => view.project(p));
+  return line.length ? svg`<path class="depth" d=${pathOf(line)} />` : nothing;
 }
 
 function drawCircle(view, { centre, radius_m }) {
@@ -82,10 +92,11 @@ function drawOrigin(view, grip) {
     <circle class="origin" cx=${x} cy=${y} r="4" />`;
 }
 
-/** A line through the handle along the camera's ray: the way nearer and farther. */
+/** A line through the handle along the line of sight to it: the way nearer and farther. */
 function drawDepth(view, grip) {
   const [x, y] = grip.at;
-  const far = view.project(add(grip.point, unit(grip.point), 0.1));
+  const sight = add(grip.point, ui.sight?.place ?? [0, 0, 0], -1);
+  const far = view.project(add(grip.point, unit(sight), 0.1));
   const [dx, dy] = [far[0] - x, far[1] - y];
   const length = Math.hypot(dx, dy);
   // Seen along the ray there is no way to show.

@@ -2,7 +2,7 @@
 // The server's sections are made in app/store/sections; angles are degrees, points metres in the camera frame.
 
 /** @typedef {'x' | 'y' | 'z'} Axis */
-/** @typedef {'main' | 'top' | 'side' | 'front' | 'free'} ViewName */
+/** @typedef {'main' | 'top' | 'side' | 'front' | 'free' | 'film'} ViewName */
 /** @typedef {[number, number]} Spot */
 /** @typedef {[number, number, number]} Point */
 /** @typedef {(number | null)[]} Series  One value a frame, null where nothing is known; sent as `Runs`. */
@@ -693,7 +693,8 @@
  * @property {string | null} [keypointHover]  The joint that is pointed at in the list.
  * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
- * @property {string | null} [filmLarge]  The other film that is enlarged.
+ * @property {string | null} [filmLarge]  The other film that stands beside the first.
+ * @property {{ anchor: string, place: number[] } | null} [sight]  The joint that is dragged in a film's picture, and where its camera stands.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {number} [unreadable]  The frame that turned out last to have no picture.
  * @property {boolean} [placeSeen]  Whether the frame of the place that is reviewed is on the screen.

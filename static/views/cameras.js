@@ -4,6 +4,8 @@
 //
 // three.js stands in the camera frame with y up and z toward the viewer: (x, −y, −z).
 
+import { placed } from './floor.js';
+
 const NEAREST_M = 0.05;
 const FARTHEST_M = 2000;
 /** Parallel views show what lies this far before and behind the body. */
@@ -46,6 +48,24 @@ export function cameraEye(camera) {
       if (telephoto) matrix.makeOrthographic(...sides, coordinates, reversed);
       else matrix.makePerspective(...sides, coordinates, reversed);
     },
+  };
+}
+
+/**
+ * The eye of another film. Its plane is that film's picture.
+ * @param {import('../store/shapes.js').FilmLens} camera
+ * @param {number[]} T  From the first camera's frame to its own: three rows of four.
+ */
+export function filmEye(camera, T) {
+  const eye = cameraEye(/** @type {any} */ (camera));
+  const rows = [0, 4, 8].map((row) => T.slice(row, row + 3));
+  const own = (p) => placed([p], T)[0];
+  return {
+    ...eye,
+    rows,
+    place: [0, 1, 2].map((k) => -rows.reduce((sum, row, i) => sum + row[k] * T[4 * i + 3], 0)),
+    project: (p) => eye.project(own(p)),
+    unitsPerMetre: (p) => eye.unitsPerMetre(own(p)),
   };
 }
 

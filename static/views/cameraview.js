@@ -10,12 +10,30 @@ import { feetMiddle, ground } from './freescene.js';
 import { paintFigure } from './figure.js';
 import { View } from './view.js';
 
-const GREATEST_SCALE = 64;
+export const GREATEST_SCALE = 64;
 /** The grid of the floor fades until here. */
 const FLOOR_REACH_M = 2;
 /** More pixels of the screen to one of the page are not painted. */
 const GREATEST_SHARPNESS = 2;
 const BARS_PX = 52; // the height of the bars at the top
+
+/** So many pixels of the screen to one of a picture's own show that pixel as it is. */
+const PIXELATED = 6;
+
+/**
+ * Lay a picture where a camera's picture is in a window.
+ * @param {HTMLElement} picture
+ * @param {{ width: number, height: number }} camera
+ * @param {import('./windows.js').Window} window
+ * @param {{ width: number, height: number }} size  Of the picture's own pixels.
+ */
+export function place(picture, camera, window, size = /** @type {HTMLCanvasElement} */ (picture)) {
+  const [x, y] = window.fromPlane([-0.5, -0.5]);
+  const across = (window.scale * camera.width) / size.width;
+  const down = (window.scale * camera.height) / size.height;
+  picture.style.transform = `translate(${x}px,${y}px) scale(${across},${down})`;
+  picture.style.imageRendering = across >= PIXELATED ? 'pixelated' : 'auto';
+}
 
 export class CameraView extends View {
   screen = Object.assign(document.createElement('canvas'), { className: 'vid' });
@@ -89,17 +107,10 @@ export class CameraView extends View {
     super.draw();
     this.paint();
     if (!server.camera) return;
-    const [x, y] = this.window.fromPlane([-0.5, -0.5]);
-    const { width, height } = server.camera;
-    const place = (picture, w, h) => {
-      const across = (this.window.scale * width) / w;
-      picture.style.transform = `translate(${x}px,${y}px) scale(${across},${(this.window.scale * height) / h})`;
-      return across;
-    };
-    const across = place(this.screen, this.screen.width, this.screen.height);
+    place(this.screen, server.camera, this.window);
     showAcross(this.window.scale * devicePixelRatio);
-    this.screen.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
-    if (this.person.naturalWidth) place(this.person, this.person.naturalWidth, this.person.naturalHeight);
+    const { naturalWidth: width, naturalHeight: height } = this.person;
+    if (width) place(this.person, server.camera, this.window, { width, height });
   }
 
   /** Under the body: the picture's edge and the floor. */

@@ -4,6 +4,8 @@ import { server, ui } from '../store/state.js';
 import { fetchOwn } from '../store/storage.js';
 import { cameraEye } from './cameras.js';
 import { paintBody } from './figure.js';
+import { placed } from './floor.js';
+import { sightSeen } from './sight.js';
 
 /** @typedef {import('../store/shapes.js').Film} Film */
 
@@ -16,6 +18,20 @@ const BESIDE = [0, 1, 2, -1, 3];
 /** The same while the film plays: what is fetched now is seen a little later, and not every frame is. */
 const AHEAD = [2, 4, 7, 10, 14, 18];
 const SHRINKS = [4, 2];
+const SIGHT_PX = 1.3;
+const SIGHT_DASHES = [2, 3];
+
+/** @param {CanvasRenderingContext2D} ctx @param {number[][]} line */
+function paintSight(ctx, line) {
+  if (!line.length) return;
+  ctx.strokeStyle = getComputedStyle(ctx.canvas).getPropertyValue('--acc');
+  ctx.lineWidth = SIGHT_PX;
+  ctx.setLineDash(SIGHT_DASHES);
+  ctx.beginPath();
+  for (const [x, y] of line) ctx.lineTo(x, y);
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
 
 export class FilmPicture {
   picture = Object.assign(document.createElement('canvas'), { className: 'vid' });
@@ -30,11 +46,16 @@ export class FilmPicture {
   #decoded = new Map();
   #loading = new Set();
   #changed;
+  #window;
   #sizes = new ResizeObserver(() => this.paint());
 
-  /** @param {() => void} changed  Called when it is known why there is no picture, or again one. */
-  constructor(changed) {
+  /**
+   * @param {() => void} changed  Called when it is known why there is no picture, or when one has another size.
+   * @param {import('./windows.js').Window | null} window  Of the view it is shown in; else it fills its place.
+   */
+  constructor(changed, window = null) {
     this.#changed = changed;
+    this.#window = window;
     this.picture.setAttribute('role', 'img');
     this.#sizes.observe(this.figure);
   }
@@ -47,10 +68,16 @@ export class FilmPicture {
     this.paint();
   }
 
-  /** Forget all pictures. */
+  /** Forget all pictures, until there is again something to show. */
+  rest() {
+    this.#film = null;
+    this.#forget('');
+  }
+
+  /** Forget all pictures for good. */
   close() {
     this.#sizes.disconnect();
-    this.#forget('');
+    this.rest();
   }
 
   /** Paint the body as it stands now. */
@@ -63,17 +90,33 @@ export class FilmPicture {
     if (this.figure.width !== width || this.figure.height !== height) Object.assign(this.figure, { width, height });
     const ctx = this.figure.getContext('2d');
     const { camera, T, frame } = this.#film;
-    const scale = across / camera.width;
     ctx.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
     ctx.clearRect(0, 0, across, down);
     const eye = cameraEye(camera);
     const project = (p) => {
       const [u, v, depth] = eye.project(p);
-      return [(u + 0.5) * scale, (v + 0.5) * scale, depth];
+      return [...this.#onScreen([u, v]), depth];
     };
     const isThere = frame !== null && paintBody(ctx, project, T, camera.projection === 'telephoto');
     if (isThere) this.figure.dataset.frame = String(server.pose.frame);
     else delete this.figure.dataset.frame;
+    if (!this.#window) {
+      paintSight(
+        ctx,
+        sightSeen((p) => project(placed([p], T)[0])),
+      );
+    }
+  }
+
+  /** Where a pixel of the film is shown. */
+  #onScreen([u, v]) {
+    if (this.#window) return this.#window.fromPlane([u, v]);
+    return [(u + 0.5) * this.#scale, (v + 0.5) * this.#scale];
+  }
+
+  /** Pixels of the page to one of the film. */
+  get #scale() {
+    return this.#window?.scale ?? (this.figure.clientWidth || 1) / this.#film.camera.width;
   }
 
   #show() {
@@ -96,9 +139,8 @@ export class FilmPicture {
 
   /** Where a frame's picture comes from, with as many pixels as are seen. */
   #address(frame) {
-    const { id, camera, image_version: version } = this.#film;
-    const pixels = (this.figure.clientWidth || 1) * devicePixelRatio;
-    const shrink = SHRINKS.find((by) => camera.width / by >= pixels) ?? 1;
+    const { id, image_version: version } = this.#film;
+    const shrink = SHRINKS.find((by) => by * this.#scale * devicePixelRatio <= 1) ?? 1;
     return `/film/${encodeURIComponent(id)}/${frame}.jpg?v=${encodeURIComponent(version)}&shrink=${shrink}`;
   }
 
@@ -119,14 +161,14 @@ export class FilmPicture {
   #draw(frame, bitmap) {
     this.#decoded.delete(frame); // the newest used stand last
     this.#decoded.set(frame, bitmap);
-    if (this.picture.dataset.frame === String(frame) && this.picture.width === bitmap.width) return;
+    const isSameSize = this.picture.width === bitmap.width;
+    if (this.picture.dataset.frame === String(frame) && isSameSize) return;
     Object.assign(this.picture, { width: bitmap.width, height: bitmap.height });
     this.picture.getContext('2d').drawImage(bitmap, 0, 0);
     this.picture.dataset.frame = String(frame);
-    if (this.why) {
-      this.why = '';
-      this.#changed();
-    }
+    if (isSameSize && !this.why) return;
+    this.why = '';
+    this.#changed();
   }
 
   /** Fetch the present picture, and then those beside it. */

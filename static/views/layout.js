@@ -2,6 +2,7 @@
 // them. Views change places by style alone: an iframe that is moved in the document loads anew.
 
 import { clamp } from '../controls/arithmetic.js';
+import { largeFilm } from '../store/films.js';
 import { setUi, ui, watch } from '../store/state.js';
 import { pull } from '../controls/gesture.js';
 import { inBrowser } from '../store/storage.js';
@@ -48,7 +49,7 @@ const SPLITTERS = {
 export function mountLayout() {
   for (const name of Object.keys(SPLITTERS)) document.getElementById(SPLITTERS[name].in).append(splitter(name));
   restore();
-  watch(['u:layout'], place);
+  watch(['films', 'u:filmLarge', 'u:layout'], place);
   // In a lower window a chosen height may be more than half of it.
   addEventListener(
     'resize',
@@ -68,12 +69,14 @@ export function showLarge(name) {
 function place() {
   const stage = document.getElementById('stage');
   stage.dataset.layout = ui.layout;
+  stage.toggleAttribute('data-film', largeFilm() !== null);
   const large = [...SMALL_VIEWS, 'free'].includes(ui.layout) ? ui.layout : 'main';
   const replaced = large === 'free' ? 'top' : large;
   /** @type {NodeListOf<HTMLElement>} */
   const views = document.querySelectorAll('.view');
   for (const view of views) {
     const { view: name } = view.dataset;
+    if (name === 'film') continue;
     // The camera goes where the enlarged view came from.
     const home = SMALL_VIEWS.indexOf(name === 'main' ? replaced : name);
     view.style.gridArea = name === large ? 'large' : SMALL_PLACES[home];

@@ -4,6 +4,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
+import { largeFilm } from '../store/films.js';
 import { setUi, ui, watch } from '../store/state.js';
 import { aim } from './cameras.js';
 import { Picture } from './iframe.js';
@@ -69,10 +70,17 @@ function measure(now) {
 
 export const VIEWS = ['main', 'top', 'side', 'front'];
 
-/** With the free one, which is shown in the large place only. */
-export const ALL_VIEWS = [...VIEWS, 'free'];
+/** With the free one, which is shown in the large place only, and another film's, which stands beside that. */
+export const ALL_VIEWS = [...VIEWS, 'free', 'film'];
 
-export const VIEW_NAMES = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front', free: 'Free' };
+export const VIEW_NAMES = {
+  main: 'Camera',
+  top: 'Top',
+  side: 'Side',
+  front: 'Front',
+  free: 'Free',
+  film: 'Other film',
+};
 export const VIEW_KEYS = { main: '1', top: '2', side: '3', front: '4', free: '6' };
 const LARGE_PX = 420;
 
@@ -197,8 +205,9 @@ export class View {
     return this.name === (ALL_VIEWS.includes(ui.layout) ? ui.layout : 'main');
   }
 
-  /** The free view takes the place of the top one. */
+  /** The free view takes the place of the top one, and another film's that of all small ones. */
   get isShown() {
+    if (largeFilm()) return this.isInLargePlace;
     return this.name !== (ui.layout === 'free' ? 'top' : 'free');
   }
 

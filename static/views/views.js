@@ -3,6 +3,7 @@
 import { server, setUi, ui, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
 import { mountFigure } from './figure.js';
+import { FilmView } from './filmview.js';
 import { FreeView } from './freeview.js';
 import { isPictureOf, mountFrames } from './frames.js';
 import { mountPersonMask } from './person_mask.js';
@@ -48,7 +49,7 @@ export function mount() {
     if (begun) beginShown();
     view('main').redraw();
   });
-  watch(['u:layout'], () => {
+  watch(['films', 'u:filmLarge', 'u:layout'], () => {
     if (begun) beginShown();
     views.forEach((each) => each.redraw());
   });
@@ -56,12 +57,13 @@ export function mount() {
 
 function madeFor(el) {
   if (el.dataset.view === 'main') return new CameraView(el);
+  if (el.dataset.view === 'film') return new FilmView(el);
   return el.dataset.view === 'free' ? new FreeView(el, view('main').screen) : new SideView(el);
 }
 
 /** Fit the picture of what is large. */
 export function fitLarge() {
-  for (const name of ui.layout === 'quad' ? VIEWS : [ui.layout]) view(name)?.fit();
+  for (const name of ui.layout === 'quad' ? VIEWS : [ui.layout, 'film']) view(name)?.fit();
 }
 
 /** viser's pages are large: the first picture of the film goes before them. */

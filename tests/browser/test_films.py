@@ -89,7 +89,7 @@ def at(work: Desk) -> Desk:
 
 
 def card(at: Desk) -> Locator:
-    return at.page.locator(f'[data-film="{ID}"]')
+    return at.page.locator(f'.filmcard[data-film="{ID}"]')
 
 
 def shown(at: Desk) -> Any:
@@ -185,14 +185,40 @@ def test_where_it_may_begin_as_well_is_one_press_away_and_its_camera_is_found_fo
     assert begins(at) == BEGINS
 
 
-def test_a_click_enlarges_it_and_another_shrinks_it(at: Desk) -> None:
-    small = card(at).bounding_box()
-    assert small is not None
+def test_a_click_lays_it_beside_the_first_film_and_a_key_back_into_its_corner(at: Desk) -> None:
+    at.visitor.do(do="go", frame=24)
     card(at).locator(".filmpic").click()
-    until(lambda: card(at).bounding_box()["width"] > 1.2 * small["width"], "a larger card")  # type: ignore[index]
-    screen(at.page, "films-2-large")
-    card(at).locator(".filmpic").click()
-    until(lambda: card(at).bounding_box() == small, "the card as it was")
+    film = at.page.locator("#film")
+    film.locator("canvas.vid[data-frame='21']").wait_for()
+    film.locator("canvas.figure[data-frame='24']").wait_for()
+    both = [at.page.locator(name).bounding_box() for name in ("#main", "#film")]
+    assert both[0] is not None
+    assert both[1] is not None
+    assert both[0]["x"] + both[0]["width"] <= both[1]["x"]
+    assert abs(both[0]["width"] - both[1]["width"]) <= 2
+    assert not at.page.locator("#views .view").first.is_visible()
+    screens(at.page, "films-2-large")
+    at.page.keyboard.press("7")
+    card(at).wait_for()
+    assert at.page.locator("#views .view").first.is_visible()
+    assert not film.is_visible()
+
+
+def test_a_hand_is_dragged_there_and_the_first_film_shows_its_line_of_sight(at: Desk) -> None:
+    at.visitor.do(do="go", frame=24)
+    at.page.keyboard.press("7")
+    at.page.locator("#film canvas.vid[data-frame]").wait_for()
+    x, y = spot(at.page, "left_hand", "film")
+    drag(at.page, (x, y), (x + 20, y - 25), drop=False)
+    until(lambda: at.page.locator("#main .hands .depth").count() == 1, "the line of sight")
+    seen = spot(at.page, "left_hand", "film")
+    assert seen == pytest.approx((x + 20, y - 25), abs=3)
+    screen(at.page, "films-5-drag")
+    at.page.mouse.up()
+    answered(at.page)
+    assert at.page.locator("#main .hands .depth").count() == 0
+    assert section(at.page, "undo.undo") is not None
+    at.page.keyboard.press("7")
 
 
 def test_a_film_is_removed_from_its_menu_and_back_after_undo(at: Desk) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.schema import Session
@@ -17,6 +18,18 @@ def T_film_first(session: Session, view: View, frame: int) -> Array:
     to_world = T_world_camera(session, np.array([float(frame)]))
     T = view.T_camera_world @ to_world
     return np.asarray(rigid_inverse(T_world_camera(session.alone(view.id), own)) @ T)
+
+
+def frame_in(view: View, frame: int) -> int:
+    """The frame of a view's film that is nearest to a frame of the first film, within it or not."""
+    return round(float(view.film_clock.frames_at(frame)))
+
+
+def lens_in(session: Session, view: View, frame: int) -> Camera:
+    """The lens of a view without its distortion, as it filmed the moment of a frame of the first
+    film; where it did not film it, at its first or last frame."""
+    inside = min(max(frame_in(view, frame), 0), view.video.frame_count - 1)
+    return session.alone(view.id).film_camera.at(inside).without_distortion()
 
 
 def T_world_camera(session: Session, frames: Array) -> Array:

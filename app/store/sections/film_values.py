@@ -8,7 +8,7 @@ from pathlib import Path
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json
 from keypose.app.words.films import film_words
-from keypose.tracker.session.between_views import T_film_first
+from keypose.tracker.session.between_views import T_film_first, frame_in, lens_in
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.views import View
 
@@ -25,9 +25,9 @@ def films(app_state: AppState) -> Json:
 
 
 def _film(doc: Session, view: View, frame: int) -> Json:
-    clock, own = view.clock, frame_of(view, frame)
+    clock, own = view.clock, frame_in(view, frame)
     last = view.video.frame_count - 1
-    lens = doc.alone(view.id).film_camera.at(min(max(own, 0), last)).without_distortion()
+    lens = lens_in(doc, view, frame)
     T = T_film_first(doc, view, frame)
     return {
         "id": view.id,
@@ -47,11 +47,6 @@ def _film(doc: Session, view: View, frame: int) -> Json:
 
 _OF_LENS = {"width", "height", "fx", "fy", "cx", "cy", "projection", "telephoto_distance_m"}
 """What a picture without distortion is drawn by."""
-
-
-def frame_of(view: View, frame: int) -> int:
-    """The frame of a view's film that is nearest to a frame of the first film, within it or not."""
-    return round(float(view.film_clock.frames_at(frame)))
 
 
 def film_version(view: View) -> str:

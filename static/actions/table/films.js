@@ -1,11 +1,12 @@
 // The other films of the same motion.
 
-import { ui } from '../../store/state.js';
+import { largeFilm } from '../../store/films.js';
 import {
   chooseFilm,
   clockBy,
   enlargeFilm,
   filmMeant,
+  nextFilm,
   placeMessage,
   signed,
   whyNoFilm,
@@ -64,11 +65,13 @@ export const FILMS = {
     message: (film = filmMeant()) => placeMessage(film, film?.begins ?? 0),
   },
   enlargeFilm: {
-    label: (film = filmMeant()) => (film && ui.filmLarge === film.id ? 'Shrink the film' : 'Enlarge the film'),
+    label: (film = filmMeant()) => (film && film === largeFilm() ? 'Shrink the film' : 'Enlarge the film'),
     icon: 'grow',
-    also: 'zoom second camera view',
+    also: 'zoom second camera view pose side by side beside',
+    title: 'Side by side with the first film, to pose in both',
+    keys: ['7'],
     off: whyNoFilm,
-    run: enlargeFilm,
+    run: (film) => (film ? enlargeFilm(film) : nextFilm()),
   },
   removeFilm: {
     label: 'Remove film',
