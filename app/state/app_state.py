@@ -22,10 +22,16 @@ from keypose.tracker.video import VideoInfo
 @dataclass(frozen=True, eq=False)
 class KnownKeypoints:
     """What tracking found in the present segment, and those of the session's file: of a draft, or
-    imported. None where nothing is known."""
+    imported. None where nothing is known. of_films: those of the other films, by the view's id."""
 
     of_segment: Keypoints | None = None
     of_file: Keypoints | None = None
+    of_films: Mapping[str, Keypoints] = field(default_factory=dict)
+
+    def by_view(self, doc: Session) -> dict[str, Keypoints]:
+        """Those of all films whose keypoints are in files, by the view's id."""
+        first = {} if self.of_file is None else {doc.view.id: self.of_file}
+        return {**first, **self.of_films}
 
     def at(self, frame: int) -> Keypoints | None:
         """The keypoints of one frame: what tracking uses goes first."""

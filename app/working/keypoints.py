@@ -22,7 +22,7 @@ from keypose.tracker.storage.cache import found_before
 from keypose.tracker.storage.fingerprints import Span, has_drafted_keypoints
 from keypose.tracker.storage.sidecars import keypoints_of_session
 
-MOST_REMEMBERED = 8
+MOST_REMEMBERED = 16
 """Answers that are kept."""
 
 _Read: TypeAlias = Callable[[], Keypoints | None]
@@ -52,6 +52,7 @@ class KeypointFinder:
         self._wanted: tuple[_Question, ...] = ()
         self._shown: tuple[_Question, ...] = ()
         self._reading: asyncio.Task[None] | None = None
+        self._films: tuple[str, ...] = ()
 
     def closed(self) -> None:
         """No session is open any more."""
@@ -66,7 +67,10 @@ class KeypointFinder:
         """The state is another one, perhaps at another frame."""
         doc, folder = edit.settled, opened.session_path.parent
         of_file, span = _of_file(doc, folder), _span_at(doc, edit.frame)
-        self._wanted = (of_file, _of_segment(doc, span, partial(self._read_before, of_file)))
+        self._films = tuple(view.id for view in doc.views[1:])
+        of_films = (_of_file(doc.alone(view), folder) for view in self._films)
+        of_segment = _of_segment(doc, span, partial(self._read_before, of_file))
+        self._wanted = (of_file, of_segment, *of_films)
         if self._reading is None:
             self._go_on()
 
@@ -80,8 +84,10 @@ class KeypointFinder:
                 self._reading = self._loop.create_task(self._read(question))
                 return
         self._shown = self._wanted
-        of_file, of_segment = (keypoints for answer in answers for keypoints in answer or ())
-        self._show(KnownKeypoints(of_segment, of_file))
+        of_file, of_segment, *others = (each for answer in answers for each in answer or ())
+        of_films = zip(self._films, others, strict=True)
+        there = {view: each for view, each in of_films if each is not None}
+        self._show(KnownKeypoints(of_segment, of_file, there))
 
     def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
         """The answer to a question as a tuple of one, since it may be None; None where it was not

@@ -4,6 +4,7 @@
 import { line } from '../controls/menu.js';
 import { entryOf, whyNot } from './actions.js';
 import { menuItem } from './buttons.js';
+import { heldFrame } from './films.js';
 import { isDraftAlone } from './keying.js';
 import { frame, isKey } from './playhead.js';
 
@@ -49,6 +50,13 @@ export const CONTEXTS = {
     ],
   },
   note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },
+  film: {
+    title: 'another film',
+    groups: [
+      ['enlargeFilm', 'holdFilm', 'alignFilm', 'filmBegins', 'placeFilm'],
+      ['addFilm', 'removeFilm'],
+    ],
+  },
 };
 
 /** Of a pair the one that fits the frame stands in a menu. */
@@ -56,6 +64,8 @@ const FITS = {
   addKeyframe: () => !isKey(frame()),
   deleteKeyframe: () => isKey(frame()) || isDraftAlone(frame()),
   copyKeyHere: (from) => from !== frame(),
+  filmBegins: (film) => film.also.length > 0,
+  alignFilm: (film) => heldFrame(film) !== null,
 };
 
 /**
@@ -69,6 +79,12 @@ export function contextEntries(name, about = {}) {
     .map((ids) => ids.filter((id) => FITS[id]?.(about[id]) ?? true))
     .filter((ids) => ids.length);
   return groups.flatMap((ids, i) => [...(i > 0 ? [line] : []), ...ids.map((id) => entry(id, about[id]))]);
+}
+
+/** The entries of a film's menu. @param {import('../store/shapes.js').Film} film */
+export function filmEntries(film) {
+  const ids = CONTEXTS.film.groups.flat().filter((id) => id !== 'addFilm');
+  return contextEntries('film', Object.fromEntries(ids.map((id) => [id, film])));
 }
 
 /** One entry: its key where that does the same, or why it cannot be done. */

@@ -54,6 +54,26 @@ export function clockBy(steps, film = filmMeant()) {
   return clockMessage(film, (film?.begins ?? 0) + steps * (film?.step ?? 1));
 }
 
+/** The picture of a film that is held while the playhead goes on, as its frame; or null. @param {Film} film */
+export const heldFrame = (film) => (ui.filmHeld && ui.filmHeld.id === film?.id ? ui.filmHeld.frame : null);
+
+/** Its picture stays, until it is aligned with the present frame or let go. @param {Film} film */
+export function holdFilm(film = filmMeant()) {
+  const { id, frame } = film;
+  setUi('filmHeld', heldFrame(film) === null && frame !== null ? { id, frame } : null);
+}
+
+/** Its clock moved so that the picture that is held was taken at the present frame. @param {Film} film */
+export function alignMessage(film = filmMeant()) {
+  const begins = (server.view?.frame ?? 0) - (heldFrame(film) ?? 0) / (film?.rate ?? 1);
+  setUi('filmHeld', null);
+  return clockMessage(film, begins);
+}
+
+/** Why it cannot be aligned. @param {Film} film */
+export const whyNotAlign = (film = filmMeant()) =>
+  whyNoFilm(film) || (heldFrame(film) === null ? 'Hold its picture first' : '');
+
 /** "+3.4" */
 export const signed = (frames) => `${frames < 0 ? '−' : '+'}${Math.abs(frames).toFixed(1)}`;
 
@@ -66,6 +86,6 @@ export function enlargeFilm(film = filmMeant()) {
 
 /** Each of them in turn, and then none: for a key. */
 export function nextFilm() {
-  const at = films().indexOf(largeFilm());
+  const at = films().findIndex(({ id }) => id === largeFilm()?.id);
   enlargeFilm(films()[at + 1] ?? films()[at]);
 }

@@ -4,6 +4,7 @@ import { chosenFrames } from '../store/clip.js';
 import { isCaughtUp } from '../store/edits.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
+import { films } from '../store/films.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { isPictureOf, view } from '../views/views.js';
 import { toast } from '../controls/toasts.js';
@@ -178,7 +179,14 @@ function show(row) {
   stopPlaying();
   goTo(row.frame);
   select(row.part);
+  showBestFilm(row);
   zoomTo(row);
+}
+
+/** Beside the first film stands the other one in which the place is seen best. */
+function showBestFilm({ id }) {
+  const best = server.films_seen?.places[id];
+  if (films().some((film) => film.id === best)) setUi('filmLarge', best);
 }
 
 // --- what happens meanwhile
@@ -230,12 +238,13 @@ function keyedAt(at) {
 
 function windowNow() {
   const { x, y, scale, chosen } = view('main').window;
-  return { x, y, scale, chosen };
+  return { x, y, scale, chosen, filmLarge: ui.filmLarge ?? null };
 }
 
 function putBack() {
   if (!before || before.path !== server.file?.path) return;
   const main = view('main');
+  setUi('filmLarge', before.filmLarge);
   if (!before.chosen) return main.fit();
   const { x, y, scale, chosen } = before;
   Object.assign(main.window, { x, y, scale, chosen });

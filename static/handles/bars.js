@@ -272,6 +272,7 @@ export function mountBars() {
       'u:menu',
       'u:orbited',
       'u:filmLarge',
+      'u:filmHeld',
     ],
     draw,
   );

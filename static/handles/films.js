@@ -3,10 +3,11 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { perform, titleOf } from '../actions/actions.js';
-import { actionIcon, menuItem } from '../actions/buttons.js';
-import { clockMessage, FINE, signed } from '../actions/films.js';
+import { actionButton, actionIcon } from '../actions/buttons.js';
+import { filmEntries } from '../actions/context_menus.js';
+import { clockMessage, FINE, heldFrame, signed } from '../actions/films.js';
 import { iconButton, numberField } from '../controls/fields.js';
-import { line, openMenuAt } from '../controls/menu.js';
+import { openMenuAt } from '../controls/menu.js';
 import { films, largeFilm } from '../store/films.js';
 import { watch } from '../store/state.js';
 import { FilmPicture } from '../views/film_picture.js';
@@ -32,11 +33,11 @@ export function mountFilms(draw) {
   bars.className = 'bars';
   viewNamed('film').el.append(bars);
   viewNamed('film').told = draw;
-  watch(['films', 'pose', 'solids', 'body', 'view', 'u:filmLarge', 'u:sight'], follow);
+  watch(['films', 'pose', 'solids', 'body', 'view', 'u:filmLarge', 'u:filmHeld', 'u:sight'], follow);
 }
 
 /** Those that are shown as cards. */
-const inCards = () => films().filter((film) => film !== largeFilm());
+const inCards = () => films().filter(({ id }) => id !== largeFilm()?.id);
 
 function follow() {
   const there = new Set(inCards().map(({ id }) => id));
@@ -73,7 +74,7 @@ function filmBars(film) {
   return html`<div class="glass row" id="fhead" data-film=${id}>
       <span class="cut b" title=${words}>${name}</span>${more(film, '#fhead .ib')}
       <span class="vsep"></span>${actionIcon('enlargeFilm', film)}</div>
-    <div class="glass row filmclock" id="fclock">${clock(film)}</div>
+    <div class="glass row filmclock" id="fclock">${heldFrame(film) === null ? [clock(film), actionIcon('holdFilm', film)] : holding(film)}</div>
     ${lacking(film, viewNamed('film').why)}`;
 }
 
@@ -109,7 +110,12 @@ function clock(film) {
     step: 1,
     decimals: 1,
     edit: (value) => clockMessage(film, value),
-  })}${off(sigma)}${step('filmLater')}${also(film)}`;
+  })}${off(sigma)}${step('filmLater')}${sigma === null ? actionIcon('placeFilm', film) : nothing}${also(film)}`;
+}
+
+/** Its picture waits for the frame of the first film that shows the same moment. @param {Film} film */
+function holding(film) {
+  return html`<span class="dim num">${film.frame} held</span>${actionButton('alignFilm', film, { kind: 'pri' })}${actionIcon('holdFilm', film, { name: 'x' })}`;
 }
 
 /** What is said as ±. @param {number | null} sigma */
@@ -130,18 +136,7 @@ function also(film) {
 function more(film, place) {
   const act = () => {
     const { left, bottom } = document.querySelector(place).getBoundingClientRect();
-    openMenuAt(
-      `Menu of ${film.name}`,
-      [
-        menuItem('enlargeFilm', film),
-        ...film.also.map((at) => menuItem('filmBegins', { ...film, at })),
-        menuItem('placeFilm', film),
-        line,
-        menuItem('addFilm'),
-        menuItem('removeFilm', film),
-      ],
-      [left, bottom],
-    );
+    openMenuAt(`Menu of ${film.name}`, filmEntries(film), [left, bottom]);
   };
   return iconButton({ name: 'more', label: `Menu of ${film.name}`, act });
 }

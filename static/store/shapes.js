@@ -77,6 +77,13 @@
  */
 
 /**
+ * @typedef {object} FilmsSeen  How the films see the selected part, or the body, in runs of first and last frame.
+ * @property {Record<string, [number, number][]>} seen  By the film's id, the first film among them.
+ * @property {[number, number][]} disagree  Where no motion is right in two of them.
+ * @property {Record<string, string>} places  By the id of a place to review the film in which it is looked at.
+ */
+
+/**
  * @typedef {object} Film  Another film of the same motion.
  * @property {string} id
  * @property {string} name
@@ -561,6 +568,7 @@
  * @property {File | null} file
  * @property {Camera | null} camera
  * @property {Film[]} films  The views after the first.
+ * @property {FilmsSeen | null} films_seen  Null where there is one film, or nothing is known of the motion.
  * @property {Surface | null} surface
  * @property {SmallViews | null} views  Of the camera at the present frame.
  * @property {CameraMotion | null} camera_motion  Null where the camera stands still or nobody looked.
@@ -694,6 +702,7 @@
  * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
  * @property {string | null} [filmLarge]  The other film that stands beside the first.
+ * @property {{ id: string, frame: number } | null} [filmHeld]  The other film whose picture is held, and its frame.
  * @property {{ anchor: string, place: number[] } | null} [sight]  The joint that is dragged in a film's picture, and where its camera stands.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {number} [unreadable]  The frame that turned out last to have no picture.

@@ -4,6 +4,7 @@ import { isIn } from './draw/scale.js';
 import { cameraFinding, cameraKey, cameraLane } from './marks/camera.js';
 import { curveKey } from './marks/curve_keys.js';
 import { draft } from './marks/drafts.js';
+import { filmMinimum, filmStrip } from './marks/films.js';
 import { frames } from './marks/frames.js';
 import { edge, keysRow } from './marks/keys_row.js';
 import { keyframe } from './marks/keyframes.js';
@@ -35,6 +36,8 @@ export const MARKS = [
   cameraKey,
   cameraFinding,
   cameraLane,
+  filmMinimum,
+  filmStrip,
   pin,
   proposal,
   lane,

@@ -1,8 +1,9 @@
-// The rows of pins and of the camera come and go.
+// The rows of pins, of the camera and of other films come and go.
 
 import { motion } from '../actions/camera.js';
 import { allPins, proposedPins } from '../actions/pins.js';
 import { server } from '../store/state.js';
+import { filmsHeight } from './marks/films.js';
 
 /** Whether there is anything to give the row of pins to. */
 export const hasPins = () => allPins().length + proposedPins().length > 0;
@@ -10,15 +11,24 @@ export const hasPins = () => allPins().length + proposedPins().length > 0;
 /** Whether the camera's motion has a row. */
 export const hasCamera = () => motion() !== null;
 
-/** The timeline gets its row with the first pin or proposal, and with the camera's motion, once, and never
- * under a pressed pointer. */
+/** The timeline gets its row with the first pin or proposal, with the camera's motion, and with every other
+ * film, once, and never under a pressed pointer. */
 export function followRows() {
-  const { dataset } = document.documentElement;
+  const { dataset, style } = document.documentElement;
   const wanted = { pins: wants(hasPins()), camera: wants(hasCamera()) };
-  if (dataset.pins === wanted.pins && dataset.camera === wanted.camera) return;
-  if (isPointerDown) onRelease = followRows;
-  else Object.assign(dataset, wanted);
+  const films = `${server.file ? filmsHeight() : 0}px`;
+  const isSame = dataset.pins === wanted.pins && dataset.camera === wanted.camera;
+  if (isSame && style.getPropertyValue(FILMS) === films) return;
+  if (isPointerDown) {
+    onRelease = followRows;
+    return;
+  }
+  Object.assign(dataset, wanted);
+  style.setProperty(FILMS, films);
 }
+
+/** What the row of films adds to the timeline's height. */
+const FILMS = '--h-films';
 
 const wants = (has) => (has && server.file ? 'yes' : 'no');
 

@@ -22,7 +22,7 @@ export class FilmView extends View {
     el.classList.add('painted', 'drawn');
     el.prepend(this.#picture.picture);
     this.over.before(this.#picture.figure);
-    watch(['films', 'solids', 'body', 'view', 'u:filmLarge', 'u:sight'], () => this.follow());
+    watch(['films', 'solids', 'body', 'view', 'u:filmLarge', 'u:filmHeld', 'u:sight'], () => this.follow());
   }
 
   #pictureChanged() {

@@ -135,8 +135,12 @@ function nudge(event, name) {
   describeSize(event.currentTarget, name);
 }
 
-/** What the chart of a joint's angle adds to the timeline meanwhile, px. */
-const chartHeight = () => parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--h-chart')) || 0;
+/** What the chart of a joint's angle and the strips of films add to the timeline meanwhile, px. */
+function addedHeight() {
+  const style = getComputedStyle(document.documentElement);
+  const px = (name) => parseFloat(style.getPropertyValue(name)) || 0;
+  return px('--h-chart') + px('--h-films');
+}
 
 /** The size now, in pixels. */
 function sizeOf(name) {
@@ -146,7 +150,7 @@ function sizeOf(name) {
   const element = ids[name] ? document.getElementById(ids[name]) : smallView();
   return SPLITTERS[name].along === 'x'
     ? element.offsetWidth
-    : element.offsetHeight - (name === 'time' ? chartHeight() : 0);
+    : element.offsetHeight - (name === 'time' ? addedHeight() : 0);
 }
 
 /** @returns {HTMLElement} */

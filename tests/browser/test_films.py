@@ -177,6 +177,38 @@ def test_its_clock_is_moved_by_buttons_keys_and_typing_and_each_is_undone(at: De
     assert at.agreed("undo")["undo"] is None
 
 
+def test_its_strip_is_dragged_along_the_timeline_as_one_step(at: Desk) -> None:
+    strip = at.page.locator("#tsvg .filmstrip").nth(1).bounding_box()
+    frames = at.page.locator("#tsvg .filmstrip").nth(0).bounding_box()
+    assert strip is not None
+    assert frames is not None
+    px = frames["width"] / (at.agreed("file")["frames"] - 1)
+    start = (strip["x"] + 200, strip["y"] + 5)
+    drag(at.page, start, (start[0] + 6 * px, start[1]), drop=False)
+    until(lambda: begins(at) == pytest.approx(BEGINS + 6, abs=0.6), "a later begin")
+    screen(at.page, "films-6-strip")
+    at.page.mouse.up()
+    answered(at.page)
+    at.page.keyboard.press("Control+z")
+    until(lambda: begins(at) == BEGINS, "the clock that was found")
+    assert at.agreed("undo")["undo"] is None
+
+
+def test_a_picture_that_is_held_is_aligned_with_the_frame_that_shows_the_same(at: Desk) -> None:
+    at.visitor.do(do="go", frame=24)
+    at.page.keyboard.press("7")
+    bar = at.page.locator("#fclock")
+    bar.get_by_role("button", name="Hold its picture").click()
+    at.visitor.do(do="go", frame=30)
+    until(lambda: section(at.page, "view.frame") == 30, "the other moment")
+    assert at.page.locator("#film canvas.vid").get_attribute("data-frame") == "21"
+    screen(at.page, "films-7-held")
+    bar.get_by_role("button", name="Align here").click()
+    until(lambda: begins(at) == 9.0, "frame 21 at frame 30")
+    bar.get_by_role("button", name="Hold its picture").wait_for()
+    at.page.keyboard.press("7")
+
+
 def test_where_it_may_begin_as_well_is_one_press_away_and_its_camera_is_found_for_it(
     at: Desk,
 ) -> None:

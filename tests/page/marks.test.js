@@ -6,12 +6,13 @@ import { beforeEach, test } from 'node:test';
 import * as selection from '../../static/actions/selection.js';
 import { showAll, showFrames } from '../../static/actions/window.js';
 import { server, ui } from '../../static/store/state.js';
+import { filmsHeight } from '../../static/timeline/marks/films.js';
 import { MARKS, under } from '../../static/timeline/marks.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 const WIDTH = scale.left() + 1000 + 26;
 
-/** What the drawing stands on: 400 px high, with two lanes and rows of pins and the camera. */
+/** What the drawing stands on: 400 px high, with two lanes and rows of pins, the camera and another film. */
 function stage() {
   const lanes = [
     { label: 'Arm', parts: ['hand'] },
@@ -19,7 +20,15 @@ function stage() {
   ];
   const zoomed = ui.timeWindow !== null;
   return {
-    rows: scale.rowsFor({ height: 400, zoomed, lanes: 2, weakest: false, pins: true, camera: true }),
+    rows: scale.rowsFor({
+      height: 400,
+      zoomed,
+      lanes: 2,
+      weakest: false,
+      pins: true,
+      camera: true,
+      films: filmsHeight(),
+    }),
     lanes,
     scroll: 0,
     empty: false,
@@ -59,6 +68,8 @@ beforeEach(() => {
         { kind: 'rolling_shutter', first: 0, last: 100, words: '' },
       ],
     },
+    films: [{ id: 'b', name: 'side.mp4', frames: 41, frame: 0, begins: 20, rate: 0.5, sigma: 0.1, also: [70] }],
+    films_seen: { seen: { a: [[0, 100]], b: [[30, 60]] }, disagree: [[40, 44]], places: {} },
     curve: { part: 'shin', x: Array.from({ length: 101 }, (_, i) => i) },
     done: 1e9,
   });
@@ -87,6 +98,9 @@ test('each mark is found where it is drawn, and the frames everywhere else', () 
     ['camera_key', kindAt(40, rows.camera.y + 9)],
     ['camera_finding', kindAt(55, rows.camera.y + 9)],
     ['camera', kindAt(80, rows.camera.y + 9)],
+    ['film', kindAt(50, rows.films.y + 16)],
+    ['film_minimum', kindAt(70, rows.films.y + 16)],
+    ['frames', kindAt(10, rows.films.y + 16)],
     ['lane', kindAt(90, rows.lanes.y + 2)],
     ['frames', kindAt(90, rows.curve.y + 2)],
     ['curvekey', kindAt(20, rows.curve.y + 6 + ((rows.curve.h - 12) * (106 - 20)) / 112)],

@@ -28,7 +28,7 @@ from keypose.tracker.session.camera_motion import CameraFinding, CameraMotion
 from keypose.tracker.session.pins import Pin
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
-from tests.app.film_beside_cases import with_film
+from tests.app.film_beside_cases import ID, with_film
 from tests.app.store.test_sections import expecting, seen, some_errors
 from tests.tracker import panned_cases
 
@@ -102,6 +102,13 @@ def drafted() -> AppState:
     return AppState(edit=edit, keypoints=KnownKeypoints(of_file=seen))
 
 
+def two_films() -> AppState:
+    """Two films of the motion, the keypoints of both known."""
+    edit = desk().with_doc(with_film(desk().doc))
+    over = Keypoints(0, JOINTS, np.full((100, 12, 2), 5.0), np.ones((100, 12)))
+    return AppState(edit=edit, keypoints=KnownKeypoints(of_file=over, of_films={ID: over}))
+
+
 def panned() -> AppState:
     """A film whose camera pans, corrected by a person, its background points shown and kept."""
     flawed = CameraFinding(kind="no_texture", first_frame=3, last_frame=5)
@@ -146,7 +153,7 @@ def outlooks() -> dict[str, AppState]:
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
         "drafted": drafted(),
         "panned": panned(),
-        "two films": AppState(edit=desk().with_doc(with_film(desk().doc))),
+        "two films": two_films(),
     }
 
 
@@ -172,6 +179,8 @@ def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
         for words in differences(value, shapes["Sections"][section], shapes, section)
     ]
     assert found == []
+    if name == "two films":
+        assert set(sections["films_seen"]["seen"]) == {"view", ID}
     if name == "panned":
         assert sections["camera_motion"]["keys"] == [7]
         assert sections["background"]["good"] == [True, False]

@@ -157,6 +157,10 @@ SECTIONS: dict[str, _Section] = {
         ),
         film_values.films,
     ),
+    "films_seen": _Section(
+        _both(_TRACKED, _settled("drafts"), _edit("selected"), lambda o: (o.keypoints,)),
+        film_values.films_seen,
+    ),
     "surface": _Section(
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
         evidence_values.surface,
@@ -271,7 +275,7 @@ PLACES: Mapping[str, str] = {
     **dict.fromkeys(("camera_motion", "camera_here", "background"), "the camera"),
     **dict.fromkeys(("body", "solids", "before", "sizes_preview"), "the body"),
     **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface"), "the views"),
-    **dict.fromkeys(("people", "films"), "the views"),
+    **dict.fromkeys(("people", "films", "films_seen"), "the views"),
     **dict.fromkeys(
         (
             "keys",

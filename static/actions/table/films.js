@@ -2,15 +2,19 @@
 
 import { largeFilm } from '../../store/films.js';
 import {
+  alignMessage,
   chooseFilm,
   clockBy,
   enlargeFilm,
   filmMeant,
+  heldFrame,
+  holdFilm,
   nextFilm,
   placeMessage,
   signed,
   whyNoFilm,
   whyNotAddFilm,
+  whyNotAlign,
   whyNotPlace,
 } from '../films.js';
 
@@ -55,6 +59,25 @@ export const FILMS = {
     off: (about = filmMeant()) => whyNotPlace(about) || (about.also.length ? '' : 'It begins nowhere else'),
     message: (about = filmMeant()) => placeMessage(about, about?.at ?? about?.also[0] ?? 0),
   },
+  holdFilm: {
+    label: (film = filmMeant()) => (film && heldFrame(film) !== null ? 'Let go of its picture' : 'Hold its picture'),
+    icon: 'lock',
+    also: 'sync align clock freeze match',
+    alone: 'Hold the other film’s picture',
+    title: 'Hold this picture, go to the same moment of the first film, then align',
+    on: (film = filmMeant()) => Boolean(film) && heldFrame(film) !== null,
+    off: whyNoFilm,
+    run: holdFilm,
+  },
+  alignFilm: {
+    label: 'Align here',
+    icon: 'anchor',
+    also: 'sync clock match',
+    alone: 'Align the other film here',
+    title: 'The picture that is held was taken at the present frame',
+    off: whyNotAlign,
+    message: alignMessage,
+  },
   placeFilm: {
     label: 'Find its camera again',
     icon: 'wand',
@@ -65,7 +88,7 @@ export const FILMS = {
     message: (film = filmMeant()) => placeMessage(film, film?.begins ?? 0),
   },
   enlargeFilm: {
-    label: (film = filmMeant()) => (film && film === largeFilm() ? 'Shrink the film' : 'Enlarge the film'),
+    label: (film = filmMeant()) => (film && film.id === largeFilm()?.id ? 'Shrink the film' : 'Enlarge the film'),
     icon: 'grow',
     also: 'zoom second camera view pose side by side beside',
     title: 'Side by side with the first film, to pose in both',
