@@ -14,6 +14,7 @@ from keypose.app.editor.shown import find, shown_pose
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.app.state.outcomes import FitOutcome
+from keypose.app.words.films import by_films_words
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Keyframe, Session
@@ -72,6 +73,9 @@ class FitPose(Fit):
         from keypose.tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
         from keypose.tracker.operations.track import keypoint_source, steadied
 
+        by_all = self._by_all_films(session)
+        if by_all is not None:
+            return by_all
         video = context.cache.video(session, self.video_path)
         skeleton = Skeleton.of(session.subject.body)
         others = {
@@ -94,6 +98,21 @@ class FitPose(Fit):
             steady=steady,
         )
         return FoundPose(picture_fit.pose, picture_fit.way != "nothing", picture_fit.message)
+
+    def _by_all_films(self, session: Session) -> FoundPose | None:
+        """The pose as all films show it, which one film alone would pull away from it again; None
+        where fewer than two see the body here."""
+        if len(session.views) == 1:
+            return None
+        from keypose.tracker.films.mend import mended  # loads what only this needs
+        from keypose.tracker.operations.films import keypoints_of_films, seen_in_films
+
+        keypoints = keypoints_of_films(session, Path(self.folder))
+        sights = seen_in_films(session, keypoints, self.frame)
+        better = mended(session.subject.body, self.pose, sights)
+        if better is None:
+            return None
+        return FoundPose(better.pose, True, by_films_words(len(sights), better.moved_m))
 
     def on_surfaces(self, session: Session, context: Context) -> FoundPose:
         # loads what only this needs
@@ -118,6 +137,7 @@ class FitPose(Fit):
             *filmed_by(doc),
             doc.view.ignore_masks,
             doc.view.surface,
+            *doc.views[1:],
         )
 
     def stands(self, began: EditorState, edit: EditorState) -> bool:

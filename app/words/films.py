@@ -99,6 +99,13 @@ def mended_words(mended: MendedKeyframes) -> str:
     return f"{noun} mended by what all films show, by {middle:.0f} cm in the median."
 
 
+def by_films_words(count: int, moved_m: float) -> str:
+    """Such as "Fitted to what 2 films show: joints moved by 6 cm in the median."."""
+    return (
+        f"Fitted to what {count} films show: joints moved by {100 * moved_m:.0f} cm in the median."
+    )
+
+
 def whom_words(people: PeopleInFilm | None, name: str) -> str:
     """Why a film cannot be added where nobody is found in it, None, or several people are."""
     if people is None:

@@ -94,6 +94,17 @@ def film_beside(session: Session, view: View, film: PreparedFilm, folder: Path) 
     )
 
 
+def keypoints_of_films(session: Session, folder: Path) -> dict[str, Keypoints]:
+    """The keypoints in files of all films that have any, as a person corrected them, by the view's
+    id.  folder: of the session's file.  KeypointError as of `keypoints_of_session`."""
+    keypoints = {}
+    for view in session.views:
+        of_film = keypoints_of_session(session.alone(view.id), folder)
+        if of_film is not None:
+            keypoints[view.id] = of_film.corrected(view.keypoint_corrections)
+    return keypoints
+
+
 def seen_in_films(
     session: Session, keypoints: Mapping[str, Keypoints], frame: int
 ) -> list[SeenInFilm]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from threading import Event
 from types import ModuleType
 from typing import Any
@@ -16,8 +17,11 @@ from keypose.app.jobs.fit_pose import FitPose, FoundPose
 from keypose.app.jobs.fit_sizes import FitSizes
 from keypose.app.jobs.job import Failed, Finished, Job, Report
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import VideoError
 from keypose.tracker.session import Session
+from tests.app.editor.desk import desk
+from tests.app.film_beside_cases import saved_in, seen_of, with_film
 from tests.app.jobs import job_cases
 from tests.app.jobs.job_cases import NUMBER
 from tests.tracker import session_cases as cases
@@ -74,6 +78,34 @@ def found(job: Job) -> Any:
     report = reported(job)
     assert isinstance(report, Finished)
     return report.result
+
+
+def test_of_two_films_a_pose_is_fitted_by_both_and_says_by_how_much(
+    fits: Callable[..., None], tmp_path: Path
+) -> None:
+    fits(lambda *args, **more: pytest.fail("The first film alone was asked."))
+    doc = with_film(desk().doc)
+    skeleton = Skeleton.of(doc.subject.body)
+    true = doc.subject.keyframes[0].pose(skeleton)
+    nearer = Pose(true.Rs_parent_part, 0.97 * true.p_camera_root)  # looks the same in the first
+    doc = saved_in(tmp_path, doc, seen_of(doc, true))
+    content = doc.model_dump_json().encode()
+    fit = found(FitPose(content, "film.mp4", str(tmp_path), 10, nearer))
+    assert fit.found
+    assert fit.words.startswith("Fitted to what 2 films show: joints moved by 1")
+    np.testing.assert_allclose(fit.pose.p_camera_root, true.p_camera_root, atol=0.03)
+
+
+def test_a_pose_that_the_other_film_does_not_show_is_fitted_by_the_first_alone(
+    fits: Callable[..., None], tmp_path: Path
+) -> None:
+    fits(lambda *args, **more: Found(message="By one film."))
+    doc = with_film(desk().doc)
+    pose = doc.subject.keyframes[0].pose(Skeleton.of(doc.subject.body))
+    doc = saved_in(tmp_path, doc, seen_of(doc, pose))
+    content = doc.model_dump_json().encode()
+    before_it_begins = FitPose(content, "film.mp4", str(tmp_path), 2, pose)
+    assert found(before_it_begins).words == "By one film."
 
 
 def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> None:

@@ -10,13 +10,11 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.operations.seen_by import SeenBy, seen_by
 from keypose.tracker.session import Session
-from keypose.tracker.session.between_views import T_film_first
 from keypose.tracker.session.views import Clock
 from tests.app.editor.desk import desk
-from tests.app.film_beside_cases import ID, with_film
+from tests.app.film_beside_cases import ID, seen_of, with_film
 
 BEGINS = 4.0
 COUNT = 20
@@ -35,17 +33,7 @@ def still_motion() -> Array:
 
 
 def shown(doc: Session) -> dict[str, Keypoints]:
-    """What an exact detector says of that motion in both films."""
-    indices, parts, points = points_on_body(BODY, JOINTS)
-    T = still_motion()[0][parts]
-    p = np.einsum("kab,kb->ka", T[:, :3, :3], points) + T[:, :3, 3]
-    keypoints = {}
-    for view in doc.views:
-        T_film = T_film_first(doc, view, 10)
-        uv = np.full((view.video.frame_count, len(JOINTS), 2), np.nan)
-        uv[:, indices] = view.camera.project(p @ T_film[:3, :3].T + T_film[:3, 3])
-        keypoints[view.id] = Keypoints(0, JOINTS, uv, np.ones(uv.shape[:2]))
-    return keypoints
+    return seen_of(doc, DOC.subject.keyframes[0].pose(Skeleton.of(BODY)))
 
 
 def hidden(keypoints: Keypoints, joint: str, frames: slice) -> Keypoints:
