@@ -81,7 +81,7 @@ FREE_M = 30.0
 class BodyBundle:
     """V cameras, and J joints of a body at F moments.
 
-    Ts (V, 4, 4): camera from world; the first camera stays where it is.
+    Ts (V, 4, 4): each camera's base from the world, which is the first one's base.
     log_focal (V,): of the focal length, as a multiple of the one the sightings were made with.
     joints (F, J, 3): in the world, metres.  lengths_m (L,): of `LENGTHS`.
     """
@@ -96,6 +96,8 @@ class BodyBundle:
 class BundleData:
     """What a bundle is compared with.
 
+    Ts_camera_base (V, F, 4, 4): where each camera was in its base, at each moment.
+
     xy (V, F, J, 2): where joints are seen.  scale (V, F, J): 1/σ, 0 where they are not.
     lengths_m (L,): of `LENGTHS` as the body has them, NaN where it has not.  free_focal (V,):
         whose lens is a guess.  posed (F, J, 3): joints as somebody posed them, in the world, NaN
@@ -107,6 +109,7 @@ class BundleData:
     lengths_m: Array
     free_focal: tuple[bool, ...]
     posed: Array
+    Ts_camera_base: Array
 
     @classmethod
     def of(
@@ -120,7 +123,13 @@ class BundleData:
         xy = np.nan_to_num(np.stack([film.xy for film in films]))
         scale = np.stack([film.scale for film in films])
         nobody = np.full((*xy.shape[1:3], 3), np.nan)
-        return cls(xy, scale, lengths_m, tuple(free_focal), nobody if posed is None else posed)
+        posed = nobody if posed is None else posed
+        Ts_camera_base = np.stack([film.Ts_camera_base for film in films])
+        return cls(xy, scale, lengths_m, tuple(free_focal), posed, Ts_camera_base)
+
+    def Ts_camera_world(self, Ts: Array) -> Array:
+        """(V, F, 4, 4) of cameras whose bases (V, 4, 4) are there."""
+        return np.asarray(self.Ts_camera_base @ Ts[:, None])
 
     @property
     def lenses(self) -> list[int]:
@@ -210,8 +219,7 @@ class _Point:
     @cached_property
     def _seen(self) -> tuple[Array, Array]:
         """Joints (V, F, J, 3) in the cameras' frames, and where they are seen (V, F, J, 2)."""
-        Ts, joints = self.bundle.Ts, self.bundle.joints
-        p = np.einsum("vab,fjb->vfja", Ts[:, :3, :3], joints) + Ts[:, None, None, :3, 3]
+        p = _seen_from(self.data.Ts_camera_world(self.bundle.Ts), self.bundle.joints)
         focal = np.exp(self.bundle.log_focal)[:, None, None, None]
         return p, focal * p[..., :2] / np.maximum(p[..., 2:], LEAST_DEPTH_M)
 
@@ -264,7 +272,7 @@ class _Point:
         p, uv = self._seen
         r, away = self._residuals
         weight = KERNEL.weight(away) * (data.scale > 0)
-        by_joint, by_camera, by_focal = _jacobians(bundle, p, uv, data.scale)
+        by_joint, by_camera, by_focal = _jacobians(data, bundle, p, uv)
         joint = np.arange(J)
         blocks = np.zeros((F, J, 3, J, 3))
         for v in range(V):
@@ -322,17 +330,31 @@ class _Point:
         return self.equations.step(damping)
 
 
-def _jacobians(bundle: BodyBundle, p: Array, uv: Array, scale: Array) -> tuple[Array, Array, Array]:
-    """How residuals move with joints (V, F, J, 2, 3), with their camera's turn and shift in its own
-    frame (V, F, J, 2, 6), and with the logarithm of its focal length (V, F, J, 2)."""
+def _seen_from(Ts_camera_world: Array, joints: Array) -> Array:
+    """Joints (F, J, 3) of the world in the frames of cameras (V, F, 4, 4): (V, F, J, 3)."""
+    R, t = Ts_camera_world[..., :3, :3], Ts_camera_world[..., None, :3, 3]
+    return np.asarray(np.einsum("vfab,fjb->vfja", R, joints) + t)
+
+
+def _jacobians(
+    data: BundleData, bundle: BodyBundle, p: Array, uv: Array
+) -> tuple[Array, Array, Array]:
+    """How residuals move with joints (V, F, J, 2, 3), with the turn and shift of their camera's
+    base in its own frame (V, F, J, 2, 6), and with the logarithm of its focal length (V, F, J, 2).
+
+    p: joints in the cameras' frames.
+    """
+    scale, Ts = data.scale, bundle.Ts
     focal = np.exp(bundle.log_focal)[:, None, None]
     z = np.maximum(p[..., 2], LEAST_DEPTH_M)
     P = np.zeros((*p.shape[:-1], 2, 3))
     P[..., 0, 0] = P[..., 1, 1] = focal / z
     P[..., :, 2] = -uv / z[..., None]
     P *= scale[..., None, None]
-    by_joint = P @ bundle.Ts[:, None, None, :3, :3]
-    turned = np.cross(p[..., None, :], P)  # P (w × p) = w · (p × P)
+    P = P @ data.Ts_camera_base[:, :, None, :3, :3]
+    in_base = _seen_from(np.broadcast_to(Ts[:, None], data.Ts_camera_base.shape), bundle.joints)
+    turned = np.cross(in_base[..., None, :], P)  # P (w × p) = w · (p × P)
+    by_joint = P @ Ts[:, None, None, :3, :3]
     return by_joint, np.concatenate([turned, P], axis=-1), uv * scale[..., None]
 
 
@@ -380,22 +402,23 @@ class _Adjustment(Problem[BodyBundle, _Point]):
 
 
 def triangulated(data: BundleData, Ts: Array) -> Array:
-    """Joints (F, J, 3) in the world, each where the rays of all views meet best; NaN where fewer
-    than two see it.  Linear, weighed once by the distances that come out."""
-    weight = data.scale**2
+    """Joints (F, J, 3) in the world, each where the rays of all views meet best, were their bases
+    (V, 4, 4) there; NaN where fewer than two see it.  Linear, weighed once by the distances that
+    come out."""
+    weight, Ts = data.scale**2, data.Ts_camera_world(Ts)
     A, b = _meeting(data.xy, Ts, weight)
     joints = _solved(A, b)
-    z = np.einsum("va,fja->vfj", Ts[:, 2, :3], joints) + Ts[:, 2, 3][:, None, None]
+    z = _seen_from(Ts, joints)[..., 2]
     A, b = _meeting(data.xy, Ts, weight / np.maximum(z, LEAST_DEPTH_M) ** 2)
     joints = _solved(A, b)
     return np.where(((data.scale > 0).sum(axis=0) > 1)[..., None], joints, np.nan)
 
 
 def _meeting(xy: Array, Ts: Array, weight: Array) -> tuple[Array, Array]:
-    """Equations A (F, J, 3, 3), b (F, J, 3) of points that lie on rays."""
-    R, t = Ts[:, :3, :3], Ts[:, :3, 3]
-    rows = R[:, None, None, :2] - xy[..., None] * R[:, None, None, 2:]
-    right = xy * t[:, None, None, 2:] - t[:, None, None, :2]
+    """Equations A (F, J, 3, 3), b (F, J, 3) of points that lie on rays of cameras (V, F, 4, 4)."""
+    R, t = Ts[..., None, :3, :3], Ts[..., None, :3, 3]
+    rows = R[..., :2, :] - xy[..., None] * R[..., 2:, :]
+    right = xy * t[..., 2:] - t[..., :2]
     A = np.einsum("vfj,vfjka,vfjkb->fjab", weight, rows, rows)
     return A, np.einsum("vfj,vfjka,vfjk->fja", weight, rows, right)
 

@@ -34,7 +34,13 @@ from keypose.tracker.films.bundle import (
     triangulated,
 )
 from keypose.tracker.films.sightings import Sightings
-from keypose.tracker.geometry.rotations import Array, log_rotation, nearest_rotation, transpose
+from keypose.tracker.geometry.rotations import (
+    Array,
+    apply_transform,
+    log_rotation,
+    nearest_rotation,
+    transpose,
+)
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.solver.posed import BodyPoints
@@ -56,7 +62,8 @@ SAME_SPREAD = 1.2
 
 @dataclass(frozen=True, eq=False)
 class FoundCamera:
-    """Where a film's camera is, T_camera_first (4, 4) from the first film's frame.
+    """Where a film's camera is, T_camera_first (4, 4) from the first film's frame; of those that
+    move their bases.
 
     focal, first_focal: its focal length and the first camera's, as multiples of those they were
         taken to have.
@@ -100,13 +107,6 @@ def moments_of(films: Sequence[Sightings]) -> NDArray[np.int64]:
     return np.asarray(rows, np.int64)
 
 
-def rows_of(film: Sightings, rows: NDArray[np.int64]) -> Sightings:
-    """What a film saw at some of its moments."""
-    return replace(
-        film, xy=film.xy[rows], visibility=film.visibility[rows], p_hips=film.p_hips[rows]
-    )
-
-
 def find_camera(
     first: Sightings,
     film: Sightings,
@@ -120,7 +120,7 @@ def find_camera(
 
     first, film: at the same moments.  lengths_m: as `lengths_of`.  free_focal: whether
         the first lens is a guess, and this film's.
-    keyed: joints (J, 3) in the first camera's frame at rows that were posed.  near: T_camera_first
+    keyed: joints (J, 3) in the first camera's base at rows that were posed.  near: T_camera_first
         that is about right: only this start counts then.
     """
     keyed = keyed or {}
@@ -131,7 +131,7 @@ def find_camera(
     rows = np.union1d(rows, both)
     nobody = np.full((len(JOINTS), 3), np.nan)
     posed = np.stack([keyed.get(int(row), nobody) for row in rows])
-    sights = [rows_of(first, rows), rows_of(film, rows)]
+    sights = [first.rows(rows), film.rows(rows)]
     data = BundleData.of(sights, lengths_m, free_focal, posed)
     starts = [near] if near is not None else list(_starts(first, film, lengths_m, keyed))
     ends = [end for T in starts if (end := adjusted_from(data, [np.eye(4), T])) is not None]
@@ -148,7 +148,7 @@ def adjusted_from(data: BundleData, Ts: Sequence[Array]) -> Adjusted | None:
     if usual is None or not np.isfinite(usual).all():
         return None
     joints = np.where(np.isfinite(joints), joints, usual)
-    joints = _before_all(joints, np.stack(Ts))
+    joints = _before_all(joints, data.Ts_camera_world(np.stack(Ts)))
     lengths_m = np.where(np.isfinite(data.lengths_m), data.lengths_m, USUAL_M)
     return adjusted(data, BodyBundle(np.stack(Ts), np.zeros(len(Ts)), joints, lengths_m))
 
@@ -182,9 +182,9 @@ def _cross(v: Array) -> Array:
 
 
 def _before_all(joints: Array, Ts: Array) -> Array:
-    """Joints where all cameras have them before them: those that have not are put at the middle of
-    the others."""
-    z = np.einsum("va,fja->vfj", Ts[:, 2, :3], joints) + Ts[:, 2, 3][:, None, None]
+    """Joints where all cameras (V, F, 4, 4) have them before them: those that have not are put at
+    the middle of the others."""
+    z = np.einsum("vfa,fja->vfj", Ts[..., 2, :3], joints) + Ts[..., None, 2, 3]
     behind = (z < 0.3).any(axis=0)
     if not behind.any() or behind.all():
         return joints
@@ -199,7 +199,7 @@ def _starts(
 ) -> Iterator[Array]:
     """Guesses of T_camera_first."""
     for row, joints in keyed.items():
-        T = _placed(joints, film.xy[row], film.visibility[row])
+        T = _placed(joints, film, row)
         if T is not None:
             yield T
     for T in (_by_rays(first, film, lengths_m), _by_depths(first, film)):
@@ -209,8 +209,10 @@ def _starts(
 
 def _by_rays(first: Sightings, film: Sightings, lengths_m: Array) -> Array | None:
     """By the essential matrix of all moments, its length that of the bones."""
+    a, b = _in_base(first), _in_base(film)
     both = np.minimum(first.visibility, film.visibility) > LOOSE
-    a, b = first.xy[both], film.xy[both]
+    both &= np.isfinite(a).all(axis=-1) & np.isfinite(b).all(axis=-1)
+    a, b = a[both], b[both]
     if len(a) < FEWEST_POINTS:
         return None
     cv2.setRNGSeed(1)
@@ -226,13 +228,28 @@ def _by_rays(first: Sightings, film: Sightings, lengths_m: Array) -> Array | Non
     return at_limbs_length(T, first, film, lengths_m)
 
 
+def _in_base(film: Sightings) -> Array:
+    """(N, J, 2) where a camera that stood at its base would see what a film saw, were all of it far
+    away; NaN of what lies behind it."""
+    if film.path is None:
+        return film.xy
+    rays = np.concatenate([film.xy, np.ones((*film.xy.shape[:-1], 1))], axis=-1)
+    x, y, z = np.moveaxis(rays @ film.path.Ts_camera_world[:, :3, :3], -1, 0)
+    ahead = np.where(z > LEAST_AHEAD, z, np.nan)
+    return np.stack([x / ahead, y / ahead], axis=-1)
+
+
+LEAST_AHEAD: Final = 0.2
+"""Cosine to where the base looks."""
+
+
 def at_limbs_length(T: Array, first: Sightings, film: Sightings, lengths_m: Array) -> Array | None:
     """T_camera_first whose lengths are of any unit, in metres: so that limbs are as long as the
     body's; None where no limb is seen by both.  first, film: at the same moments."""
     T, rows = T.copy(), moments_of([first, film])
     if not len(rows):
         return None
-    data = BundleData.of([rows_of(first, rows), rows_of(film, rows)], lengths_m, (False, False))
+    data = BundleData.of([first.rows(rows), film.rows(rows)], lengths_m, (False, False))
     joints = triangulated(data, np.stack([np.eye(4), T]))
     apart = np.linalg.norm(joints[:, ENDS[:, 0]] - joints[:, ENDS[:, 1]], axis=-1)
     measured = np.isfinite(apart).any(axis=0) & np.isfinite(lengths_m[OF_BONE])
@@ -250,15 +267,15 @@ def _by_depths(first: Sightings, film: Sightings) -> Array | None:
         joints = first.p_hips[row]
         if not np.isfinite(joints).all():
             continue
-        there = _placed(joints, first.xy[row], first.visibility[row])
-        here = _placed(joints, film.xy[row], film.visibility[row])
+        there, here = _placed(joints, first, row), _placed(joints, film, row)
         if there is not None and here is not None:
             guesses.append(here @ np.linalg.inv(there))
     return _middle(np.array(guesses)) if len(guesses) > 2 else None
 
 
-def _placed(joints: Array, xy: Array, visibility: Array) -> Array | None:
-    """T_camera_joints (4, 4) of a camera that sees joints (J, 3) at xy (J, 2)."""
+def _placed(joints: Array, film: Sightings, row: int) -> Array | None:
+    """T_base_joints (4, 4) of a camera that sees joints (J, 3) at one of its moments."""
+    xy, visibility = film.xy[row], film.visibility[row]
     used = (visibility > LOOSE) & np.isfinite(joints).all(axis=-1) & np.isfinite(xy).all(axis=-1)
     if used.sum() < FEWEST_IN_VIEW:
         return None
@@ -272,7 +289,7 @@ def _placed(joints: Array, xy: Array, visibility: Array) -> Array | None:
         return None
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = cv2.Rodrigues(turn)[0], shift[:, 0]
-    return T
+    return T if film.path is None else np.asarray(film.path.Ts_world_camera[row] @ T)
 
 
 def _middle(Ts: Array) -> Array:
@@ -291,7 +308,7 @@ def at_scale_of(camera: FoundCamera, film: Sightings, keyed: Mapping[int, Array]
     """The camera as far away as keyframes say: by the lengths of a body alone all distances may be
     off by one share, which keyframes posed with that body tell.
 
-    film: at the first film's moments.  keyed: joints (J, 3) in the first camera's frame by moment.
+    film: at the first film's moments.  keyed: joints (J, 3) in the first camera's base by moment.
     """
     rows = [row for row in keyed if film.visibility[row].max(initial=0.0) > 0]
     if not rows:
@@ -299,10 +316,10 @@ def at_scale_of(camera: FoundCamera, film: Sightings, keyed: Mapping[int, Array]
     joints = np.stack([keyed[row] for row in rows])
     xy, scale = film.xy[rows], film.scale[rows] * np.isfinite(joints).all(axis=-1)
     R, t = camera.T_camera_first[:3, :3], camera.T_camera_first[:3, 3]
-    turned = np.nan_to_num(joints) @ R.T
+    turned, Ts_camera_base = np.nan_to_num(joints) @ R.T, film.Ts_camera_base[rows]
     costs = []
     for share in SHARES:
-        p = turned + share * t
+        p = apply_transform(Ts_camera_base, turned + share * t)
         projected = camera.focal * p[..., :2] / np.maximum(p[..., 2:], LEAST_DEPTH_M)
         away = np.linalg.norm(np.nan_to_num(projected - xy), axis=-1) * scale / LOOSE_SIGMAS
         costs.append(KERNEL.loss(away).sum() + (np.log(share) / SIZE_SHARE) ** 2)

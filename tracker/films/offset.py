@@ -17,6 +17,7 @@ import numpy as np
 
 from keypose.tracker.films.cameras import OWN_SIGMA, FoundCamera, at_limbs_length, find_camera
 from keypose.tracker.films.sightings import Sightings
+from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
@@ -214,8 +215,9 @@ def _apart(
     a, b = (np.concatenate([f.xy[used], np.ones((used.sum(), 1))], axis=1) for f in (first, film))
     a = a / np.array([camera.first_focal, camera.first_focal, 1.0])
     b = b / np.array([camera.focal, camera.focal, 1.0])
-    E = essential(camera.T_camera_first)
-    Ea, Eb = a @ E.T, b @ E
+    Ts = film.Ts_camera_base @ camera.T_camera_first @ rigid_inverse(first.Ts_camera_base)
+    E = essential(Ts)[np.nonzero(used)[0]]
+    Ea, Eb = np.einsum("nij,nj->ni", E, a), np.einsum("nij,ni->nj", E, b)
     off = (b * Ea).sum(axis=1)
     variance = (Ea[:, :2] ** 2).sum(axis=1) / b_scale[used] ** 2
     variance += (Eb[:, :2] ** 2).sum(axis=1) / a_scale[used] ** 2
@@ -224,6 +226,8 @@ def _apart(
 
 
 def essential(T_camera_first: Array) -> Array:
-    """(3, 3) E with bᵀ E a = 0 of rays a of the first camera and b of the other that meet."""
-    x, y, z = T_camera_first[:3, 3]
-    return np.asarray(np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ T_camera_first[:3, :3])
+    """(..., 3, 3) E with bᵀ E a = 0 of rays a of the first camera and b of the other that meet."""
+    x, y, z = np.moveaxis(T_camera_first[..., :3, 3], -1, 0)
+    nought = np.zeros_like(x)
+    cross = np.stack([nought, -z, y, z, nought, -x, -y, x, nought], axis=-1)
+    return np.asarray(cross.reshape(*x.shape, 3, 3) @ T_camera_first[..., :3, :3])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from keypose.tracker.geometry.camera import Camera
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
@@ -23,28 +24,37 @@ HEIGHT_M = 1.7
 class Sightings:
     """The joints of one body as a film saw them at N moments, `JOINTS` in their order.
 
-    xy (N, J, 2): as x/z and y/z of the film's camera without distortion, NaN where not seen.
+    xy (N, J, 2): as x/z and y/z of the film's camera without distortion and zoom, NaN where not
+        seen.
     visibility (N, J): 0 where not seen.
     sigma: standard deviation of an xy of visibility 1.
     p_hips (N, J, 3): metres in the camera's axes, the middle of the hips at 0; NaN where unknown.
+    path: where the camera was, in a base frame of its own, in which it is looked for; None of one
+        that stands still, which is that base itself.
     """
 
     xy: Array
     visibility: Array
     sigma: float
     p_hips: Array
+    path: CameraPath | None = None
 
     @classmethod
-    def of(cls, keypoints: Keypoints, camera: Camera, frame_count: int) -> Sightings:
-        """What a film's keypoints show at each of its frames."""
+    def of(
+        cls, keypoints: Keypoints, camera: Camera, frame_count: int, path: CameraPath | None = None
+    ) -> Sightings:
+        """What a film's keypoints show at each of its frames.  path: of the same frames."""
         over = keypoints.over(0, frame_count - 1)
         uv, seen_by = joints_in(over, over.uv), joints_in(over, over.visibility)
         xy = camera.back_project(uv, 1.0)[..., :2]
+        if path is not None:
+            xy = xy / path.zoom[:, None, None]
         visibility = np.where(np.isfinite(xy).all(axis=-1), np.nan_to_num(seen_by), 0.0)
         p_hips = np.full((*xy.shape[:2], 3), np.nan)
         if over.p_hips is not None:
             p_hips = joints_in(over, over.p_hips)
-        return cls(xy, visibility, SIGMA_SHARE * _height(xy, p_hips, visibility), p_hips)
+        sigma = SIGMA_SHARE * _height(xy, p_hips, visibility)
+        return cls(xy, visibility, sigma, p_hips, path)
 
     def __len__(self) -> int:
         return len(self.xy)
@@ -54,8 +64,30 @@ class Sightings:
         frames = clock.frames_at(moments)
         xy, visibility = sampled(self.xy, frames), sampled(self.visibility, frames)
         is_seen = np.isfinite(xy).all(axis=-1) & np.isfinite(visibility)
-        p_hips = sampled(self.p_hips, frames)
-        return replace(self, xy=xy, visibility=np.where(is_seen, visibility, 0.0), p_hips=p_hips)
+        p_hips, path = sampled(self.p_hips, frames), self.path
+        if path is not None:
+            path = path.sampled(np.clip(frames, 0, len(path) - 1))
+        visibility = np.where(is_seen, visibility, 0.0)
+        return replace(self, xy=xy, visibility=visibility, p_hips=p_hips, path=path)
+
+    def rows(self, rows: NDArray[np.int64]) -> Sightings:
+        """The same of some of its moments alone."""
+        path = self.path
+        if path is not None:
+            path = CameraPath(path.Ts_camera_world[rows], path.zoom[rows])
+        return replace(
+            self,
+            xy=self.xy[rows],
+            visibility=self.visibility[rows],
+            p_hips=self.p_hips[rows],
+            path=path,
+        )
+
+    @property
+    def Ts_camera_base(self) -> Array:
+        """(N, 4, 4) from the base frame to the camera's at each moment."""
+        still = np.broadcast_to(np.eye(4), (len(self), 4, 4))
+        return still if self.path is None else self.path.Ts_camera_world
 
     @property
     def scale(self) -> Array:

@@ -13,8 +13,16 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.films.cameras import joints_of_pose
 from keypose.tracker.films.sightings import SIGMA_SHARE, Sightings
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
-from keypose.tracker.geometry.rotations import Array, log_rotation, rotation_from_euler, transform
+from keypose.tracker.geometry.rotations import (
+    Array,
+    apply_transform,
+    exp_rotation,
+    log_rotation,
+    rotation_from_euler,
+    transform,
+)
 
 BODY = preset("adult_male")
 SKELETON = Skeleton.of(BODY)
@@ -26,7 +34,7 @@ DEPTH_M = 0.05
 
 @dataclass(frozen=True, eq=False)
 class TwoFilms:
-    """Sightings of both films, joints (N, J, 3) in the first camera's frame, and the truth."""
+    """Sightings of both films, joints (N, J, 3) in the first camera's base, and the truth."""
 
     first: Sightings
     film: Sightings
@@ -50,8 +58,10 @@ def two_films(
     *,
     seed: int = 1,
     focal: float = 1.0,
+    in_hand: tuple[bool, bool] = (False, False),
 ) -> TwoFilms:
-    """focal: of the other film's lens, as a multiple of the one it is taken to have."""
+    """focal: of the other film's lens, as a multiple of the one it is taken to have.  in_hand:
+    whether the first camera, and the other, is held in a hand that follows the body."""
     rng = np.random.default_rng(seed)
     joints = joints_of(motion)
     middle = np.median(joints.reshape(-1, 3), axis=0)
@@ -59,10 +69,29 @@ def two_films(
     T = transform(R, middle - R @ middle + np.array([0.3, 0.1, 0.4]))
     count = int((len(joints) - 1 - max(clock.begins, 0.0)) * clock.rate)
     there = sampled(joints, clock.moments_of(np.arange(count))) @ T[:3, :3].T + T[:3, 3]
-    return TwoFilms(_seen(joints, 1.0, rng), _seen(there, focal, rng), joints, T, clock)
+    first, film = (
+        _in_hand(len(p)) if held else None for p, held in zip((joints, there), in_hand, strict=True)
+    )
+    return TwoFilms(
+        _seen(joints, 1.0, rng, first), _seen(there, focal, rng, film), joints, T, clock
+    )
 
 
-def _seen(joints: Array, focal: float, rng: np.random.Generator) -> Sightings:
+def _in_hand(count: int) -> CameraPath:
+    """A camera that turns by some 8° and is carried some 30 cm on its way."""
+    along = np.linspace(0.0, 1.0, count)[:, None]
+    turns = np.radians(8.0) * np.sin(along * [3.0, 7.0, 5.0] + [0.0, 1.0, 2.0])
+    places = 0.3 * np.sin(along * [4.0, 2.0, 3.0])
+    turns, places = turns - turns[0], places - places[0]
+    return CameraPath.of(exp_rotation(turns), places, 1.0 + 0.2 * along[:, 0])
+
+
+def _seen(
+    joints: Array, focal: float, rng: np.random.Generator, path: CameraPath | None = None
+) -> Sightings:
+    """What a camera sees of joints in its base."""
+    if path is not None:
+        joints = apply_transform(path.Ts_camera_world, joints)
     tall = focal * 1.7 / float(np.nanmedian(joints[..., 2]))
     own = rng.normal(0.0, BESIDE * tall, (1, *joints.shape[1:2], 2))
     xy = focal * joints[..., :2] / joints[..., 2:]
@@ -70,7 +99,7 @@ def _seen(joints: Array, focal: float, rng: np.random.Generator) -> Sightings:
     hips = joints - joints[:, 6:8].mean(axis=1, keepdims=True)
     hips = hips + rng.normal(0.0, DEPTH_M, hips.shape)
     seen = np.isfinite(xy).all(axis=-1)
-    return Sightings(xy, seen.astype(float), SIGMA_SHARE * tall, hips)
+    return Sightings(xy, seen.astype(float), SIGMA_SHARE * tall, hips, path)
 
 
 def turned_apart_deg(T: Array, other: Array) -> float:

@@ -45,6 +45,28 @@ def test_when_a_film_was_taken_and_where_its_camera_stands_are_found_from_the_bo
     assert places_apart_m(best.camera.T_camera_first, films.T_film_first) < 0.9
 
 
+@pytest.mark.parametrize("in_hand", [(False, True), (True, False), (True, True)])
+def test_cameras_that_are_carried_along_known_paths_are_found_in_their_bases(
+    in_hand: tuple[bool, bool],
+) -> None:
+    off = []
+    for held in ((False, False), in_hand):
+        films = two_films(throw, 60.0, FilmClock(3.4), in_hand=held)
+        best = found_in(films)[0]
+        assert abs(best.clock.begins - 3.4) < 0.5
+        T = best.camera.T_camera_first
+        off.append((turned_apart_deg(T, films.T_film_first), places_apart_m(T, films.T_film_first)))
+    assert off[1][0] < off[0][0] + 3.0
+    assert off[1][1] < off[0][1] + 0.3
+
+
+def test_who_takes_a_carried_camera_to_stand_still_is_wrong_of_it() -> None:
+    films = two_films(throw, 60.0, FilmClock(3.4), in_hand=(False, True))
+    as_still = replace(films, film=replace(films.film, path=None))
+    known, unknown = (found_in(each) for each in (films, as_still))
+    assert not unknown or unknown[0].cost > 1.5 * known[0].cost
+
+
 def test_its_plus_minus_covers_how_far_it_is_off() -> None:
     off, sigmas = [], []
     for seed in range(6):
