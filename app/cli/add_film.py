@@ -7,7 +7,8 @@ import argparse
 from keypose.app.cli.arguments import order_of
 from keypose.app.cli.change import Change, run_change
 from keypose.app.cli.long_work import share_reporter
-from keypose.app.jobs.add_film import AddedFilm, found_film
+from keypose.app.jobs.add_film import found_film
+from keypose.app.jobs.with_film import AddedFilm
 from keypose.app.orders.film import BesideOrder
 from keypose.app.orders.tracking import FilmTaken
 from keypose.app.words.films import (

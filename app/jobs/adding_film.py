@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.actions import FilmToAdd
     from keypose.app.editor.actions import PlaceFilm as Asked
     from keypose.app.editor.state import EditorState
-    from keypose.app.jobs.add_film import AddedFilm
+    from keypose.app.jobs.with_film import AddedFilm
     from keypose.app.state.app_state import AppState
 
 LABEL: Final = "add a film"
@@ -41,7 +41,7 @@ FOUND_TO: Final = 0.9
 
 
 class _OfFilms(Fit):
-    """Another film laid beside the first: its clock and camera, and keyframes mended by it."""
+    """A second film synchronised with the first: its clock, its camera, and keyframes mended."""
 
     kind = "film"
     needs_loops = False  # before the last tenth of it
@@ -69,7 +69,8 @@ class AddFilm(_OfFilms):
         return cls(*sent(opened, edit.doc, drafts=edit.doc.subject.drafts), str(action.path))
 
     def work(self, session: Session, context: Context) -> FoundFilm:
-        from keypose.app.jobs.add_film import WhoIsMeant, found_film  # loads what only this needs
+        from keypose.app.jobs.add_film import found_film  # loads what only this needs
+        from keypose.app.jobs.seen_in_films import WhoIsMeant
 
         began, path = time.monotonic(), Path(self.film)
 

@@ -149,8 +149,8 @@ def _with_films(
     send: SendStep,
     stop: Event,
 ) -> None:
-    """Add the films that are not in the session yet; written. One that cannot be laid beside the
-    first is left out, which is said."""
+    """Add the films that are not in the session yet; written. One that cannot be synchronised with
+    the first is left out, which is said."""
     folder = path.parent
     there = {os.path.realpath(folder / view.video.path) for view in session.views}
     for film in films:

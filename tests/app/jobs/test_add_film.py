@@ -1,4 +1,4 @@
-"""A second film of a motion is added, laid beside the first in time and space, and tracked with."""
+"""A second film of a motion is added, synchronised with the first, and tracked with."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.app.document.new import new_session
 from keypose.app.document.open import copy_session
-from keypose.app.jobs import add_film
+from keypose.app.jobs import seen_in_films
 from keypose.app.jobs.adding_film import AddFilm, PlaceFilm
 from keypose.app.jobs.batch import make_session
 from keypose.app.jobs.batch.task import Task
@@ -164,9 +164,9 @@ def seen_in(
         there = there @ T[:3, :3].T + T[:3, 3]
         return keypoints_of(there, Camera.guess(*SIZE), 2)
 
-    monkeypatch.setattr(add_film, "detect", detect)
-    monkeypatch.setattr(add_film, "open_detector", lambda model: Network())
-    monkeypatch.setattr(add_film, "find_model", find_model)
+    monkeypatch.setattr(seen_in_films, "detect", detect)
+    monkeypatch.setattr(seen_in_films, "open_detector", lambda model: Network())
+    monkeypatch.setattr(seen_in_films, "find_model", find_model)
 
 
 def added(path: Path, film: Path, *more: str) -> Session:
@@ -378,7 +378,7 @@ def made(path: Path, film: Path, side: Path) -> tuple[str, ...]:
 def alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """One person is found in the other film."""
     people = PeopleInFilm(0, (FoundPerson(BOX, 1.0),), {})
-    monkeypatch.setattr(add_film, "people_seen", lambda *_: people)
+    monkeypatch.setattr(seen_in_films, "people_seen", lambda *_: people)
 
 
 @pytest.mark.usefixtures("alone")
@@ -529,7 +529,7 @@ def asked_on_the_page(path: Path, film: Path) -> AddFilm:
 def person_in(monkeypatch: pytest.MonkeyPatch, *boxes: Box) -> None:
     """Who is found in the second film."""
     people = PeopleInFilm(4, tuple(FoundPerson(box, 1.0) for box in boxes), {})
-    monkeypatch.setattr(add_film, "people_seen", lambda *_: people if boxes else None)
+    monkeypatch.setattr(seen_in_films, "people_seen", lambda *_: people if boxes else None)
 
 
 def test_the_page_s_job_finds_the_same_and_says_how_far_it_is(

@@ -1,0 +1,153 @@
+"""The session with a second film: its clock and camera as found, and keyframes mended by it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from keypose.app.editor.documents import seen_as_before
+from keypose.app.jobs.found_film import FoundFilm
+from keypose.app.jobs.synchronised import Synchronised, joints_at
+from keypose.tracker.films.cameras import at_scale_of
+from keypose.tracker.films.offset import FoundOffset
+from keypose.tracker.films.sightings import Sightings
+from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
+from keypose.tracker.geometry.rotations import quaternion_wxyz
+from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.operations.mend_keyframes import MendedKeyframes, mend_keyframes
+from keypose.tracker.session import Session
+from keypose.tracker.session.views import Clock, Placed, View
+
+MOST_DRAFTS = 30
+"""That are asked how far away a camera is; neighbouring ones know the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class AddedFilm:
+    """A film that was found to show the motion of a session.
+
+    film: the session with the film, and with mended keyframes, and what was seen in the film.
+    offset: when it was taken, and where its camera stands.  others: the other offsets that may be
+        true.  mended: what became of the keyframes.  pair: of a calibration, where one was given.
+    """
+
+    film: FoundFilm
+    offset: FoundOffset
+    others: tuple[FoundOffset, ...]
+    mended: MendedKeyframes
+    pair: CalibratedPair | None = None
+
+    @property
+    def session(self) -> Session:
+        """With the film as its last view, which has no keypoints yet."""
+        return self.film.session
+
+    @property
+    def view(self) -> View:
+        """Of the film."""
+        return self.session.views[-1]
+
+    def saved(self, session_path: Path) -> Session:
+        """As of `FoundFilm`."""
+        return self.film.saved(session_path)
+
+
+def with_film(
+    session: Session,
+    view: View,
+    keypoints: tuple[Keypoints, Keypoints],
+    synchronised: Synchronised,
+    network: str,
+    at: int,
+    also: tuple[float, ...] | None = None,
+    *,
+    others: Mapping[str, Keypoints],
+) -> AddedFilm:
+    """The session with a view, its clock and camera as found, and with mended keyframes.
+
+    also: where it may begin besides; None: where the other offsets say.  others: keypoints of films
+    that are there already, by the view's id.
+    """
+    if len(session.views) == 1:  # the cameras of other films are placed with the lens that it has
+        session = _with_first_lens(session, synchronised)
+    if synchronised.pair is not None:
+        lens = {"camera": synchronised.pair.film, "lens_source": "calibration"}
+        view = view.model_copy(update=lens)
+    first_keypoints, film_keypoints = keypoints
+    best, *further = (
+        _at_scale(session, view, film_keypoints, offset) for offset in synchronised.offsets
+    )
+    source: Literal["body", "file"] = "body" if synchronised.pair is None else "file"
+    placed = _placed(view, best, further, source)
+    if also is not None and placed.clock is not None:
+        placed = placed.model_copy(update={"clock": placed.clock.model_copy(update={"also": also})})
+    after = _with_view(session, placed)
+    of_films = {**others, session.view.id: first_keypoints, view.id: film_keypoints}
+    mended = mend_keyframes(after, of_films)
+    film = FoundFilm(mended.session, film_keypoints, network, at, "")
+    return AddedFilm(film, best, tuple(further), mended, synchronised.pair)
+
+
+def _with_first_lens(session: Session, synchronised: Synchronised) -> Session:
+    """The session with the lens that its first turned out to have: what is posed is seen as large
+    as before."""
+    lens, source = session.view.camera.zoomed(synchronised.offsets[0].camera.first_focal), "fitted"
+    if synchronised.pair is not None:
+        lens, source = synchronised.pair.first, "calibration"
+    if lens == session.view.camera:
+        return session
+    return seen_as_before(session, session.changed({"camera": lens, "lens_source": source}))
+
+
+def _at_scale(
+    session: Session, view: View, keypoints: Keypoints, offset: FoundOffset
+) -> FoundOffset:
+    """An offset with its camera as far away as all that is posed says."""
+    count = session.view.video.frame_count
+    film = Sightings.of(keypoints, view.camera, view.video.frame_count)
+    film = film.at(offset.clock, np.arange(count))
+    posed = (*session.subject.keyframes, *session.subject.drafts[:: _every(session)])
+    return replace(offset, camera=at_scale_of(offset.camera, film, joints_at(session, posed)))
+
+
+def _every(session: Session) -> int:
+    """One in how many drafts is asked."""
+    return max(1, len(session.subject.drafts) // MOST_DRAFTS)
+
+
+def _placed(
+    view: View, best: FoundOffset, others: list[FoundOffset], source: Literal["body", "file"]
+) -> View:
+    """The view with its clock and its camera as found."""
+    clock, placed = best.clock, best.camera
+    T = placed.T_camera_first
+    update = {
+        "clock": Clock(
+            begins=round(clock.begins, 4),
+            rate=round(clock.rate, 8),
+            sigma=round(best.sigma, 4) if 0 < best.sigma < np.inf else None,
+            also=tuple(round(each.clock.begins, 4) for each in others),
+        ),
+        "placed": Placed(
+            source=source,
+            turn_sigma_rad=round(placed.sigma_rad, 6),
+            place_sigma_m=round(placed.sigma_m, 4),
+        ),
+        "R_camera_world_wxyz": tuple(float(q) for q in quaternion_wxyz(T[:3, :3])),
+        "p_camera_world": tuple(round(float(p), 6) for p in T[:3, 3]),
+        "camera": view.camera.zoomed(placed.focal),
+    }
+    if placed.focal != 1.0:
+        update["lens_source"] = "fitted"
+    return view.model_copy(update=update)
+
+
+def _with_view(session: Session, view: View) -> Session:
+    """The session with a further view."""
+    return Session.model_validate(
+        session.model_copy(update={"views": (*session.views, view)}).model_dump()
+    )
