@@ -73,6 +73,8 @@ USUAL_M: Final = np.array([0.29, 0.25, 0.42, 0.41, 0.34, 0.22, 0.5])
 """Lengths of a grown person, where the body has none."""
 POSED_M = 0.05
 """Standard deviation of a joint that somebody posed, beside where detectors see it."""
+WAY_M = 10.0
+"""Standard deviation of how far a camera is carried."""
 FREE_M = 30.0
 """Standard deviation of a joint before anything is seen: what one film alone sees has a depth."""
 
@@ -83,11 +85,13 @@ class BodyBundle:
 
     Ts (V, 4, 4): each camera's base from the world, which is the first one's base.
     log_focal (V,): of the focal length, as a multiple of the one the sightings were made with.
+    metres (V,): of the unit of each camera's way.
     joints (F, J, 3): in the world, metres.  lengths_m (L,): of `LENGTHS`.
     """
 
     Ts: Array
     log_focal: Array
+    metres: Array
     joints: Array
     lengths_m: Array
 
@@ -96,7 +100,8 @@ class BodyBundle:
 class BundleData:
     """What a bundle is compared with.
 
-    Ts_camera_base (V, F, 4, 4): where each camera was in its base, at each moment.
+    Ts_camera_base (V, F, 4, 4): where each camera was in its base, at each moment, but for its way
+        (V, F, 3), whose unit is unknown.  unscaled: the views that have one.
 
     xy (V, F, J, 2): where joints are seen.  scale (V, F, J): 1/σ, 0 where they are not.
     lengths_m (L,): of `LENGTHS` as the body has them, NaN where it has not.  free_focal (V,):
@@ -110,6 +115,8 @@ class BundleData:
     free_focal: tuple[bool, ...]
     posed: Array
     Ts_camera_base: Array
+    way: Array
+    unscaled: tuple[int, ...]
 
     @classmethod
     def of(
@@ -124,12 +131,20 @@ class BundleData:
         scale = np.stack([film.scale for film in films])
         nobody = np.full((*xy.shape[1:3], 3), np.nan)
         posed = nobody if posed is None else posed
-        Ts_camera_base = np.stack([film.Ts_camera_base for film in films])
-        return cls(xy, scale, lengths_m, tuple(free_focal), posed, Ts_camera_base)
+        Ts_camera_base = np.stack([film.Ts_camera_base() for film in films])
+        nowhere = np.zeros((scale.shape[1], 3))
+        way = np.stack([nowhere if film.way is None else film.way for film in films])
+        unscaled = tuple(v for v, film in enumerate(films) if film.way is not None)
+        guesses = tuple(free_focal)
+        return cls(xy, scale, lengths_m, guesses, posed, Ts_camera_base, way, unscaled)
 
-    def Ts_camera_world(self, Ts: Array) -> Array:
-        """(V, F, 4, 4) of cameras whose bases (V, 4, 4) are there."""
-        return np.asarray(self.Ts_camera_base @ Ts[:, None])
+    def Ts_camera_world(self, Ts: Array, metres: Array | None = None) -> Array:
+        """(V, F, 4, 4) of cameras whose bases (V, 4, 4) are there, and the units of whose ways
+        (V,) are so long; of none where that is not given."""
+        Ts_camera_world = self.Ts_camera_base @ Ts[:, None]
+        if metres is not None:
+            Ts_camera_world[..., :3, 3] += metres[:, None, None] * self.way
+        return np.asarray(Ts_camera_world)
 
     @property
     def lenses(self) -> list[int]:
@@ -138,8 +153,8 @@ class BundleData:
 
     @property
     def width(self) -> int:
-        """Unknowns besides the joints: cameras, lenses, lengths."""
-        return 6 * (len(self.xy) - 1) + len(self.lenses) + len(LENGTHS)
+        """Unknowns besides the joints: cameras, lenses, units of ways, lengths."""
+        return 6 * (len(self.xy) - 1) + len(self.lenses) + len(self.unscaled) + len(LENGTHS)
 
     @property
     def first_length(self) -> int:
@@ -219,7 +234,8 @@ class _Point:
     @cached_property
     def _seen(self) -> tuple[Array, Array]:
         """Joints (V, F, J, 3) in the cameras' frames, and where they are seen (V, F, J, 2)."""
-        p = _seen_from(self.data.Ts_camera_world(self.bundle.Ts), self.bundle.joints)
+        Ts_camera_world = self.data.Ts_camera_world(self.bundle.Ts, self.bundle.metres)
+        p = _seen_from(Ts_camera_world, self.bundle.joints)
         focal = np.exp(self.bundle.log_focal)[:, None, None, None]
         return p, focal * p[..., :2] / np.maximum(p[..., 2:], LEAST_DEPTH_M)
 
@@ -252,12 +268,21 @@ class _Point:
         return np.log(self.bundle.lengths_m / usual_m) / self.data.length_shares
 
     @cached_property
+    def _way_scale(self) -> Array:
+        """By each unscaled way's unit, 1/σ of how long that is: no camera is carried farther."""
+        return (
+            np.array([np.ptp(self.data.way[v], axis=0).max() for v in self.data.unscaled]) / WAY_M
+        )
+
+    @cached_property
     def cost(self) -> float:
         p, (_, away), (_, off) = self._seen[0], self._residuals, self._bones
         if (p[..., 2] < LEAST_DEPTH_M)[self.data.scale > 0].any():
             return np.inf
         lenses = (self.bundle.log_focal[self.data.lenses] / FOCAL_SHARE) ** 2
         priors = lenses.sum() + (self._size**2).sum()
+        ways = self.bundle.metres[list(self.data.unscaled)] * self._way_scale
+        priors += (ways**2).sum()
         posed = KERNEL.loss(self._off_posed[1]).sum()
         total = KERNEL.loss(away).sum() + KERNEL.loss(np.abs(off)).sum() + priors + posed
         return 0.5 * float(total)
@@ -272,7 +297,7 @@ class _Point:
         p, uv = self._seen
         r, away = self._residuals
         weight = KERNEL.weight(away) * (data.scale > 0)
-        by_joint, by_camera, by_focal = _jacobians(data, bundle, p, uv)
+        by_joint, by_camera, by_focal, by_metre = _jacobians(data, bundle, p, uv)
         joint = np.arange(J)
         blocks = np.zeros((F, J, 3, J, 3))
         for v in range(V):
@@ -280,7 +305,7 @@ class _Point:
             wJX = JX * w[..., None, None]
             blocks[:, joint, :, joint, :] += np.einsum("fjka,fjkb->jfab", wJX, JX)
             g += np.einsum("fjka,fjk->fja", wJX, r[v]).reshape(F, -1)
-            columns, K = _columns(v, V, data.lenses, by_camera[v], by_focal[v])
+            columns, K = _columns(v, data, by_camera[v], by_focal[v], by_metre[v])
             if not len(columns):
                 continue
             wK = K * w[..., None, None]
@@ -297,6 +322,10 @@ class _Point:
             at = 6 * (V - 1) + k
             C[at, at] += FOCAL_SHARE**-2
             h[at] += bundle.log_focal[view] / FOCAL_SHARE**2
+        for k, view in enumerate(data.unscaled):
+            at = 6 * (V - 1) + len(data.lenses) + k
+            C[at, at] += self._way_scale[k] ** 2
+            h[at] += self._way_scale[k] ** 2 * bundle.metres[view]
         return _Equations(C, h, A, g, B)
 
     def _add_bones(self, C: Array, h: Array, A: Array, g: Array, B: Array) -> None:
@@ -338,9 +367,10 @@ def _seen_from(Ts_camera_world: Array, joints: Array) -> Array:
 
 def _jacobians(
     data: BundleData, bundle: BodyBundle, p: Array, uv: Array
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array]:
     """How residuals move with joints (V, F, J, 2, 3), with the turn and shift of their camera's
-    base in its own frame (V, F, J, 2, 6), and with the logarithm of its focal length (V, F, J, 2).
+    base in its own frame (V, F, J, 2, 6), with the logarithm of its focal length, and with the unit
+    of its way (V, F, J, 2).
 
     p: joints in the cameras' frames.
     """
@@ -351,15 +381,17 @@ def _jacobians(
     P[..., 0, 0] = P[..., 1, 1] = focal / z
     P[..., :, 2] = -uv / z[..., None]
     P *= scale[..., None, None]
+    by_metre = np.einsum("vfjka,vfa->vfjk", P, data.way)
     P = P @ data.Ts_camera_base[:, :, None, :3, :3]
     in_base = _seen_from(np.broadcast_to(Ts[:, None], data.Ts_camera_base.shape), bundle.joints)
     turned = np.cross(in_base[..., None, :], P)  # P (w × p) = w · (p × P)
     by_joint = P @ Ts[:, None, None, :3, :3]
-    return by_joint, np.concatenate([turned, P], axis=-1), uv * scale[..., None]
+    by_camera = np.concatenate([turned, P], axis=-1)
+    return by_joint, by_camera, uv * scale[..., None], by_metre
 
 
 def _columns(
-    view: int, views: int, lenses: Sequence[int], by_camera: Array, by_focal: Array
+    view: int, data: BundleData, by_camera: Array, by_focal: Array, by_metre: Array
 ) -> tuple[NDArray[np.int64], Array]:
     """The unknowns that a view's residuals depend on, and their Jacobian (F, J, 2, n)."""
     columns: list[int] = []
@@ -367,9 +399,13 @@ def _columns(
     if view > 0:
         columns += range(6 * (view - 1), 6 * view)
         parts.append(by_camera)
-    if view in lenses:
-        columns.append(6 * (views - 1) + list(lenses).index(view))
+    after_cameras = 6 * (len(data.xy) - 1)
+    if view in data.lenses:
+        columns.append(after_cameras + data.lenses.index(view))
         parts.append(by_focal[..., None])
+    if view in data.unscaled:
+        columns.append(after_cameras + len(data.lenses) + data.unscaled.index(view))
+        parts.append(by_metre[..., None])
     J = np.concatenate(parts, axis=-1) if parts else np.zeros((*by_focal.shape, 0))
     return np.array(columns, np.int64), J
 
@@ -385,9 +421,11 @@ class _Adjustment(Problem[BodyBundle, _Point]):
 
     def moved(self, state: BodyBundle, step: Array) -> BodyBundle:
         views, lenses = len(state.Ts), self.data.lenses
-        ends = [6 * (views - 1), self.data.first_length, self.data.width]
-        cameras, focal, sizes, joints = np.split(step, ends)
-        Ts, log_focal = state.Ts.copy(), state.log_focal.copy()
+        after_lenses = 6 * (views - 1) + len(lenses)
+        ends = [6 * (views - 1), after_lenses, self.data.first_length, self.data.width]
+        cameras, focal, units, sizes, joints = np.split(step, ends)
+        Ts, log_focal, metres = state.Ts.copy(), state.log_focal.copy(), state.metres.copy()
+        metres[list(self.data.unscaled)] += units
         steps = cameras.reshape(-1, 6)
         R = exp_rotation(steps[:, :3])
         Ts[1:, :3, :3] = R @ state.Ts[1:, :3, :3]
@@ -396,6 +434,7 @@ class _Adjustment(Problem[BodyBundle, _Point]):
         return BodyBundle(
             Ts,
             log_focal,
+            metres,
             state.joints + joints.reshape(-1, len(JOINTS), 3),
             state.lengths_m * np.exp(sizes),
         )

@@ -67,6 +67,7 @@ class FoundCamera:
 
     focal, first_focal: its focal length and the first camera's, as multiples of those they were
         taken to have.
+    metres: of the unit of its way, where that was unknown.
     sigma_rad, sigma_m: standard deviations of how it is turned, and of where it is.
     cost: of a moment; what other starts are compared by.
     """
@@ -77,6 +78,7 @@ class FoundCamera:
     sigma_rad: float
     sigma_m: float
     cost: float
+    metres: float = 0.0
 
 
 def lengths_of(body: Body) -> Array:
@@ -150,14 +152,16 @@ def adjusted_from(data: BundleData, Ts: Sequence[Array]) -> Adjusted | None:
     joints = np.where(np.isfinite(joints), joints, usual)
     joints = _before_all(joints, data.Ts_camera_world(np.stack(Ts)))
     lengths_m = np.where(np.isfinite(data.lengths_m), data.lengths_m, USUAL_M)
-    return adjusted(data, BodyBundle(np.stack(Ts), np.zeros(len(Ts)), joints, lengths_m))
+    none = np.zeros(len(Ts))
+    return adjusted(data, BodyBundle(np.stack(Ts), none, none, joints, lengths_m))
 
 
 def found_cameras(end: Adjusted) -> list[FoundCamera]:
     """The cameras but the first of an adjustment."""
     cameras = []
-    for T, log_focal, covariance in zip(
-        end.bundle.Ts[1:], end.bundle.log_focal[1:], end.covariances, strict=True
+    bundle = end.bundle
+    for T, log_focal, metres, covariance in zip(
+        bundle.Ts[1:], bundle.log_focal[1:], bundle.metres[1:], end.covariances, strict=True
     ):
         # of where the camera is, not of the world's origin before it
         back = np.concatenate([_cross(-T[:3, 3]), np.eye(3)], axis=1)
@@ -166,10 +170,11 @@ def found_cameras(end: Adjusted) -> list[FoundCamera]:
             FoundCamera(
                 T,
                 float(np.exp(log_focal)),
-                float(np.exp(end.bundle.log_focal[0])),
+                float(np.exp(bundle.log_focal[0])),
                 OWN_SIGMA * float(np.sqrt(np.trace(covariance[:3, :3]))),
                 OWN_SIGMA * float(np.sqrt(np.trace(place))),
                 end.cost,
+                float(metres),
             )
         )
     return cameras
@@ -316,7 +321,7 @@ def at_scale_of(camera: FoundCamera, film: Sightings, keyed: Mapping[int, Array]
     joints = np.stack([keyed[row] for row in rows])
     xy, scale = film.xy[rows], film.scale[rows] * np.isfinite(joints).all(axis=-1)
     R, t = camera.T_camera_first[:3, :3], camera.T_camera_first[:3, 3]
-    turned, Ts_camera_base = np.nan_to_num(joints) @ R.T, film.Ts_camera_base[rows]
+    turned, Ts_camera_base = np.nan_to_num(joints) @ R.T, film.Ts_camera_base(camera.metres)[rows]
     costs = []
     for share in SHARES:
         p = apply_transform(Ts_camera_base, turned + share * t)

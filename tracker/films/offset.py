@@ -215,7 +215,8 @@ def _apart(
     a, b = (np.concatenate([f.xy[used], np.ones((used.sum(), 1))], axis=1) for f in (first, film))
     a = a / np.array([camera.first_focal, camera.first_focal, 1.0])
     b = b / np.array([camera.focal, camera.focal, 1.0])
-    Ts = film.Ts_camera_base @ camera.T_camera_first @ rigid_inverse(first.Ts_camera_base)
+    Ts_film = film.Ts_camera_base(camera.metres) @ camera.T_camera_first
+    Ts = Ts_film @ rigid_inverse(first.Ts_camera_base())
     E = essential(Ts)[np.nonzero(used)[0]]
     Ea, Eb = np.einsum("nij,nj->ni", E, a), np.einsum("nij,ni->nj", E, b)
     off = (b * Ea).sum(axis=1)

@@ -9,6 +9,7 @@ import pytest
 
 from keypose.tracker.films.cameras import find_camera, lengths_of
 from keypose.tracker.films.offset import OffsetSearch, find_offsets
+from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import rotation_from_euler
 from tests.rendering.motions import crossing, stride, throw
@@ -58,6 +59,19 @@ def test_cameras_that_are_carried_along_known_paths_are_found_in_their_bases(
         off.append((turned_apart_deg(T, films.T_film_first), places_apart_m(T, films.T_film_first)))
     assert off[1][0] < off[0][0] + 3.0
     assert off[1][1] < off[0][1] + 0.3
+
+
+def test_how_long_the_unit_of_a_camera_s_way_is_is_found_from_the_body() -> None:
+    films = two_films(throw, 60.0, FilmClock(3.4), in_hand=(False, True))
+    path = films.film.path
+    assert path is not None
+    Ts, unit_m = path.Ts_camera_world.copy(), 2.5
+    way = Ts[:, :3, 3] / unit_m
+    Ts[:, :3, 3] = 0.0
+    turned = replace(films.film, path=CameraPath(Ts, path.zoom), way=way)
+    best = found_in(replace(films, film=turned))[0]
+    assert best.camera.metres == pytest.approx(unit_m, rel=0.25)
+    assert turned_apart_deg(best.camera.T_camera_first, films.T_film_first) < 6.0
 
 
 def test_who_takes_a_carried_camera_to_stand_still_is_wrong_of_it() -> None:
