@@ -84,12 +84,13 @@ export function paintFigure(ctx, view) {
  * @param {CanvasRenderingContext2D} ctx
  * @param {import('./painting.js').Project} project
  * @param {number[]} T_film_camera  Three rows of four.
+ * @param {Record<string, number[]> | undefined} parts  T_camera_part of each part.
  * @param {boolean} isParallel
  */
-export function paintBody(ctx, project, T_film_camera, isParallel) {
-  const { pose, solids, body, view } = server;
-  if (!pose || !solids || !body || !view) return false;
-  const T = Object.fromEntries(Object.entries(pose.T).map(([name, each]) => [name, after(T_film_camera, each)]));
+export function paintBody(ctx, project, T_film_camera, parts, isParallel) {
+  const { solids, body, view } = server;
+  if (!parts || !solids || !body || !view) return false;
+  const T = Object.fromEntries(Object.entries(parts).map(([name, each]) => [name, after(T_film_camera, each)]));
   for (const { paint } of farthestFirst(inLooks(ctx, outlined(solids, T, project, isParallel)))) paint();
   return true;
 }

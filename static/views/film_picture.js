@@ -8,9 +8,13 @@ import { placed } from './floor.js';
 import { sightSeen } from './sight.js';
 
 /** @typedef {import('../store/shapes.js').Film} Film */
+/** @typedef {{ at: number | undefined, T: number[], parts: Record<string, number[]> | undefined }} Moment */
 
-/** Pictures that are kept of a film. */
-const MOST = 48;
+/** What pictures that are kept of a film take, and so many are kept anyway. */
+const MOST_BYTES = 200e6;
+const LEAST_KEPT = 48;
+/** Moments of which it is remembered how the body stood: a picture may come a little later. */
+const MOST_MOMENTS = 120;
 /** Pictures that are fetched at a time. */
 const MOST_LOADS = 3;
 /** Which pictures are fetched, from the present one on. */
@@ -45,6 +49,8 @@ export class FilmPicture {
   /** @type {Map<number, ImageBitmap>} */
   #decoded = new Map();
   #loading = new Set();
+  /** How the body stood when a frame of the film was to be seen. @type {Map<number, Moment>} */
+  #moments = new Map();
   #changed;
   #window;
   #sizes = new ResizeObserver(() => this.paint());
@@ -63,9 +69,27 @@ export class FilmPicture {
   /** Show what a film shows now. @param {Film} film */
   follow(film) {
     this.#film = film;
+    this.#remember();
     this.picture.ariaLabel = `Picture of ${film.name}`;
     this.#show();
     this.paint();
+  }
+
+  #remember() {
+    const { frame, T } = this.#film;
+    if (frame === null || !server.pose) return;
+    this.#moments.delete(frame); // the newest stand last
+    this.#moments.set(frame, { at: server.pose.frame, T, parts: server.pose.T });
+    if (this.#moments.size > MOST_MOMENTS) this.#moments.delete(this.#moments.keys().next().value);
+  }
+
+  /** The moment of the picture that is shown, while the film plays; else the present one. */
+  get #moment() {
+    const shown = Number(this.picture.dataset.frame);
+    const frames = ui.playing ? [...this.#moments.keys()] : [];
+    const [near] = frames.sort((one, other) => Math.abs(one - shown) - Math.abs(other - shown));
+    const moment = this.#moments.get(near);
+    return moment ?? { at: server.pose?.frame, T: this.#film.T, parts: server.pose?.T };
   }
 
   /** Forget all pictures, until there is again something to show. */
@@ -89,7 +113,8 @@ export class FilmPicture {
     this.#show(); // in another size it may need more pixels
     if (this.figure.width !== width || this.figure.height !== height) Object.assign(this.figure, { width, height });
     const ctx = this.figure.getContext('2d');
-    const { camera, T, frame } = this.#film;
+    const { camera, frame } = this.#film;
+    const { at, T, parts } = this.#moment;
     ctx.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
     ctx.clearRect(0, 0, across, down);
     const eye = cameraEye(camera);
@@ -97,8 +122,8 @@ export class FilmPicture {
       const [u, v, depth] = eye.project(p);
       return [...this.#onScreen([u, v]), depth];
     };
-    const isThere = frame !== null && paintBody(ctx, project, T, camera.projection === 'telephoto');
-    if (isThere) this.figure.dataset.frame = String(server.pose.frame);
+    const isThere = frame !== null && paintBody(ctx, project, T, parts, camera.projection === 'telephoto');
+    if (isThere) this.figure.dataset.frame = String(at);
     else delete this.figure.dataset.frame;
     if (!this.#window) {
       paintSight(
@@ -206,12 +231,15 @@ export class FilmPicture {
 
   #keep(frame, bitmap) {
     this.#decoded.set(frame, bitmap);
+    const most = Math.max(LEAST_KEPT, MOST_BYTES / (4 * bitmap.width * bitmap.height));
     for (const [each, old] of this.#decoded) {
-      if (this.#decoded.size <= MOST) break;
+      if (this.#decoded.size <= most) break;
       if (each === this.#film.frame) continue;
       this.#decoded.delete(each);
       old.close();
     }
-    if (this.#film.frame !== null && this.#nearest(this.#film.frame) === frame) this.#draw(frame, bitmap);
+    if (this.#film.frame === null || this.#nearest(this.#film.frame) !== frame) return;
+    this.#draw(frame, bitmap);
+    if (ui.playing) this.paint(); // the body as it stood then
   }
 }
