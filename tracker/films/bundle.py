@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.geometry.triangulation import LEAST_DEPTH_M, where_rays_meet
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from keypose.tracker.solver.robust import Cauchy
@@ -62,8 +63,6 @@ FOCAL_SHARE = 0.10
 """Standard deviation of a lens that is a guess, as a share of its focal length."""
 KERNEL = Cauchy()
 """Of distances and lengths, in standard deviations."""
-LEAST_DEPTH_M = 0.1
-"""Of a joint that is seen: nearer to a camera there is nobody."""
 ADJUSTING = Criteria(
     most_steps=60,
     gain=1e-6,
@@ -442,26 +441,5 @@ class _Adjustment(Problem[BodyBundle, _Point]):
 
 def triangulated(data: BundleData, Ts: Array) -> Array:
     """Joints (F, J, 3) in the world, each where the rays of all views meet best, were their bases
-    (V, 4, 4) there; NaN where fewer than two see it.  Linear, weighed once by the distances that
-    come out."""
-    weight, Ts = data.scale**2, data.Ts_camera_world(Ts)
-    A, b = _meeting(data.xy, Ts, weight)
-    joints = _solved(A, b)
-    z = _seen_from(Ts, joints)[..., 2]
-    A, b = _meeting(data.xy, Ts, weight / np.maximum(z, LEAST_DEPTH_M) ** 2)
-    joints = _solved(A, b)
-    return np.where(((data.scale > 0).sum(axis=0) > 1)[..., None], joints, np.nan)
-
-
-def _meeting(xy: Array, Ts: Array, weight: Array) -> tuple[Array, Array]:
-    """Equations A (F, J, 3, 3), b (F, J, 3) of points that lie on rays of cameras (V, F, 4, 4)."""
-    R, t = Ts[..., None, :3, :3], Ts[..., None, :3, 3]
-    rows = R[..., :2, :] - xy[..., None] * R[..., 2:, :]
-    right = xy * t[..., 2:] - t[..., :2]
-    A = np.einsum("vfj,vfjka,vfjkb->fjab", weight, rows, rows)
-    return A, np.einsum("vfj,vfjka,vfjk->fja", weight, rows, right)
-
-
-def _solved(A: Array, b: Array) -> Array:
-    scale = np.einsum("...ii->...", A)[..., None, None] + 1.0
-    return np.asarray(np.linalg.solve(A + 1e-12 * scale * np.eye(3), b[..., None])[..., 0])
+    (V, 4, 4) there; NaN where fewer than two see it."""
+    return where_rays_meet(data.xy, data.scale, data.Ts_camera_world(Ts))

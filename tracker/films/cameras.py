@@ -21,7 +21,6 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.films.bundle import (
     ENDS,
     KERNEL,
-    LEAST_DEPTH_M,
     LENGTHS,
     LIMBS,
     OF_BONE,
@@ -41,6 +40,7 @@ from keypose.tracker.geometry.rotations import (
     nearest_rotation,
     transpose,
 )
+from keypose.tracker.geometry.triangulation import LEAST_DEPTH_M
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.solver.posed import BodyPoints

@@ -11,7 +11,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.keypoints import Keypoints, joints_in
 
 SIGMA_SHARE = 0.01
 """Standard deviation of a joint in the picture, of the body's height: a detector's own place of a
@@ -113,15 +113,6 @@ class Sightings:
     def seen(self) -> NDArray[np.bool_]:
         """(N,) whether enough of the body is seen to tell how it stands."""
         return np.asarray((self.visibility > SURE).sum(axis=-1) >= FEWEST_SEEN)
-
-
-def joints_in(keypoints: Keypoints, values: Array) -> Array:
-    """(N, J, …) of `JOINTS` among values (N, L, …) of keypoints; NaN of those that it has not."""
-    joints = np.full((len(values), len(JOINTS), *values.shape[2:]), np.nan)
-    for number, name in enumerate(JOINTS):
-        if name in keypoints.names:
-            joints[:, number] = values[:, keypoints.names.index(name)]
-    return joints
 
 
 SURE = 0.5

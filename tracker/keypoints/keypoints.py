@@ -163,3 +163,12 @@ def other_side(name: str, names: Sequence[str]) -> str:
     """The name of the same keypoint on the other side of the body; its own where there is none."""
     swapped = "_".join(_SIDES.get(word, word) for word in name.split("_"))
     return swapped if swapped in names else name
+
+
+def joints_in(keypoints: Keypoints, values: Array) -> Array:
+    """(N, J, …) of `JOINTS` among values (N, L, …) of keypoints; NaN of those that it has not."""
+    joints = np.full((len(values), len(JOINTS), *values.shape[2:]), np.nan)
+    for number, name in enumerate(JOINTS):
+        if name in keypoints.names:
+            joints[:, number] = values[:, keypoints.names.index(name)]
+    return joints

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from keypose.tracker.films.mend import SeenInFilm
-from keypose.tracker.films.sightings import joints_in
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import sampled
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.keypoints import Keypoints, joints_in
 from keypose.tracker.session.between_views import T_film_first
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.views import View

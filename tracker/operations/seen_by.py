@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import height
-from keypose.tracker.films.sightings import SURE, joints_in
+from keypose.tracker.films.sightings import SURE
 from keypose.tracker.geometry.film_clock import sampled
 from keypose.tracker.geometry.rotations import Array, apply_transform
-from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints, joints_in
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.views import View

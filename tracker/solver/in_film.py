@@ -45,6 +45,12 @@ class FilmFrames:
         """All but the first and the last."""
         return FilmFrames(self.first_frame + 1, self.moments[1:-1], self.Ts_film_first[1:-1])
 
+    def between(self, first: int, last: int) -> FilmFrames:
+        """Those within two rows of the motion, whose rows count from the first of them then."""
+        inside = np.flatnonzero((self.moments >= first) & (self.moments <= last))
+        start = self.first_frame + int(inside[0]) if len(inside) else self.first_frame
+        return FilmFrames(start, self.moments[inside] - first, self.Ts_film_first[inside])
+
     @cached_property
     def below(self) -> NDArray[np.int64]:
         """(M,) the rows before them."""

@@ -175,6 +175,10 @@ class BodyPoints:
         p, J = posed.placed.jacobian(self.places)
         return p.reshape(*posed.batch, -1, 3), J.reshape(*posed.batch, *J.shape[1:])
 
+    def of_skeleton(self, skeleton: Skeleton) -> BodyPoints:
+        """The same of the same body with other parts tracked."""
+        return BodyPoints(skeleton, self.points)
+
     def only(self, chosen: NDArray[np.bool_]) -> BodyPoints:
         """Some of the places (J,)."""
         if chosen.all():

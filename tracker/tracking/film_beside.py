@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,12 +15,10 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.solver.in_film import FilmFrames
 from keypose.tracker.tracking.cues.anchors import anchors_of
-from keypose.tracker.tracking.cues.other_film import OtherFilm
+from keypose.tracker.tracking.cues.other_film import FEWEST_FRAMES, OtherFilm
 from keypose.tracker.tracking.prepared_film import PreparedFilm
 from keypose.tracker.tracking.segment import Segment
 
-FEWEST_FRAMES = 3
-"""Of a film within a segment, with which its pictures tell anything of it."""
 SAME_MOMENT = 1e-6
 """Frames: what is nearer was taken at the same moment."""
 
@@ -48,12 +46,14 @@ class FilmBeside:
         skeleton: Skeleton,
         density: float,
         sample: Callable[[Skeleton, float], SurfacePoints],
+        agreed: Collection[int],
     ) -> tuple[OtherFilm, ...]:
         """What the film shows of a segment: where it seems to exchange left and right, also set
         right. None where it does not reach over it.
 
         followed: about the motion, as the first film shows it, which tells left from right.
         skeleton: with free joints.  density, sample: of surface points.
+        agreed: as of `anchors_of`.
         """
         frames = self._frames(segment)
         if frames is None:
@@ -77,7 +77,7 @@ class FilmBeside:
         candidates = (
             ()
             if keypoints is None
-            else anchors_of(scene, own, self.film.camera, keypoints, followed=there)
+            else anchors_of(scene, own, self.film.camera, keypoints, followed=there, agreed=agreed)
         )
         return tuple(
             OtherFilm(scene, frames, clip, anchors, Ts) for anchors in candidates or (None,)

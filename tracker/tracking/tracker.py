@@ -21,6 +21,7 @@ from keypose.tracker.geometry.steady import SteadyCamera
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.settings import IgnoreMask, TrackSettings
+from keypose.tracker.tracking.agreement import films_agree
 from keypose.tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
 from keypose.tracker.tracking.cues.anchors import (
     anchors_of,
@@ -346,7 +347,12 @@ class Tracker:
         span = segment.first_frame, segment.last_frame
         free = self.scene(span, method.density, free=True)
         camera, brightness = self.loader(span).camera, "brightness" in settings.cues_used
-        return Evidence(scene, free, camera, keypoints, brightness=brightness)
+        agreed = self._agreed(segment, camera, keypoints)
+        candidates = anchors_of(free, segment, camera, keypoints) if self._films else ()
+        films: tuple[OtherFilm, ...] = ()
+        if candidates and isinstance(method, Keypose):
+            films = self._beside(Correction(free, segment, candidates[0]), method, agreed)
+        return Evidence(scene, free, camera, keypoints, brightness=brightness, films=films)
 
     def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
         """Track with keypoints where there are any; without, as if there never were."""
@@ -358,9 +364,12 @@ class Tracker:
             camera, brightness = self.loader(span).camera, "brightness" in settings.cues_used
             begun = starts(scene, segment, replace(method, templates=False)) if brightness else None
             followed = begun.ways[0].trajectory if begun is not None else None
-            candidates = anchors_of(free, segment, camera, keypoints, followed=followed)
+            agreed = self._agreed(segment, camera, keypoints)
+            candidates = anchors_of(
+                free, segment, camera, keypoints, followed=followed, agreed=agreed
+            )
             if candidates:
-                films = self._beside(Correction(free, segment, candidates[0]), method)
+                films = self._beside(Correction(free, segment, candidates[0]), method, agreed)
                 outcome = yield from track_anchored(
                     scene, free, segment, method, candidates, begun, films=films
                 )
@@ -374,7 +383,15 @@ class Tracker:
         notes = (WITHOUT_KEYPOINTS,) if self._films else ()
         return replace(outcome, notes=(*outcome.notes, *notes))
 
-    def _beside(self, correction: Correction, method: Keypose) -> tuple[OtherFilm, ...]:
+    def _agreed(self, segment: Segment, camera: Camera, keypoints: Keypoints) -> tuple[int, ...]:
+        """The keyframes of a segment that films agree of."""
+        ends = {segment.first_frame: segment.start, segment.last_frame: segment.end}
+        seen = self.skeleton, camera, keypoints, self._films
+        return tuple(frame for frame, pose in ends.items() if films_agree(frame, pose, *seen))
+
+    def _beside(
+        self, correction: Correction, method: Keypose, agreed: tuple[int, ...]
+    ) -> tuple[OtherFilm, ...]:
         """What other films show of a segment; of one whose sides are in doubt as they go with what
         the first film's keypoints say."""
         segment, scene = correction.segment, correction.scene
@@ -388,7 +405,7 @@ class Tracker:
             return both.cost(from_keypoints(both, reach_far=False), held)
 
         shown = [
-            film.over(segment, followed, scene.skeleton, method.density, self._sample)
+            film.over(segment, followed, scene.skeleton, method.density, self._sample, agreed)
             for film in self._films
         ]
         return tuple(

@@ -7,7 +7,7 @@ frame, held near zero), and by how much its depth is off.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -118,6 +118,12 @@ class Anchors:
         """Divide the detector's standard deviations by this."""
         return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
 
+    def of_skeleton(self, skeleton: Skeleton) -> Anchors:
+        """The same of the same body with other parts tracked."""
+        points = (self.points, self.joints, self.feet)
+        on_points, on_joints, on_feet = (each.of_skeleton(skeleton) for each in points)
+        return replace(self, points=on_points, joints=on_joints, feet=on_feet)
+
     def of_rows(self, rows: slice) -> Anchors:
         """The anchors of some frames alone."""
         return replace(self, **{name: getattr(self, name)[rows] for name in BY_FRAME})
@@ -154,12 +160,14 @@ def anchors_of(
     *,
     open_end: bool = False,
     followed: Trajectory | None = None,
+    agreed: Collection[int] | None = None,
 ) -> tuple[Anchors, ...]:
     """The anchors of a segment: as the detector has left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
     open_end: the first keyframe alone is posed.  followed: the motion that brightness shows.
+    agreed: the keyframes that show where on its part the detector puts a joint; None: all.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
@@ -176,7 +184,10 @@ def anchors_of(
         places = dict(enumerate(uv)) | places
     swapped = exchanged_sides(detected, index, places, height)
     candidates = [detected] if swapped is None else [detected, swapped]
-    anchors_by_sides = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
+    rows = [n for n in keyed if agreed is None or segment.first_frame + n in agreed]
+    anchors_by_sides = [
+        _anchors(scene, k, index, parts, points, keyed, rows, height) for k in candidates
+    ]
     return tuple(
         replace(anchors, exchanged=k > 0)
         for k, anchors in enumerate(anchors_by_sides)
@@ -272,9 +283,13 @@ def _anchors(
     parts: NDArray[np.int64],
     points: Array,
     keyed: dict[int, Pose],
+    agreed: list[int],
     height: float,
 ) -> Anchors | None:
-    """None where they lie on another body than the one posed, or where no keyframe shows it."""
+    """None where they lie on another body than the one posed, or where no keyframe shows it.
+
+    agreed: those of the keyed rows that show where on its part the detector puts a joint.
+    """
     uv = keypoints.uv[:, index]
     is_known = np.asarray(np.isfinite(uv).all(axis=-1))
     by_hand = is_known & (False if keypoints.by_hand is None else keypoints.by_hand[:, index])
@@ -291,12 +306,11 @@ def _anchors(
         return None
     scale = np.where(detected & ~jumped, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(is_known[..., None], uv, 0.0)
-    at_keys = list(keyed)
     loose = np.array([name in FACE for name in names])
     sigma_m = np.where(loose, FACE_ON_PART_M, ON_PART_M)
-    poses = list(keyed.values())
+    poses = [keyed[n] for n in agreed]
     joints = BodyPoints.single(scene.skeleton, parts, points)
-    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
+    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[agreed], scale[agreed])
     depth, depth_scale = _depths(scene, keypoints, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
     exact = by_hand / (BY_HAND_SHARE * height)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.solver.frames import TermIn
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     from keypose.tracker.video.pyramid import Clip
 
 
+FEWEST_FRAMES = 3
+"""Of a film within a segment, with which its pictures tell anything of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class OtherFilm:
     """A film besides the first.
@@ -41,6 +46,20 @@ class OtherFilm:
     clip: Clip
     anchors: Anchors | None
     Ts_film_first: Array
+
+    def between(self, first: int, last: int) -> OtherFilm | None:
+        """The same of some rows of the segment alone; None where it hardly reaches over them."""
+        frames = self.frames.between(first, last)
+        if len(frames) < FEWEST_FRAMES:
+            return None
+        rows = slice(first, last + 1)
+        anchors = None if self.anchors is None else self.anchors.of_rows(rows)
+        return replace(self, frames=frames, anchors=anchors, Ts_film_first=self.Ts_film_first[rows])
+
+    def of_skeleton(self, skeleton: Skeleton) -> OtherFilm:
+        """The same of the same body with other parts tracked."""
+        anchors = self.anchors and self.anchors.of_skeleton(skeleton)
+        return replace(self, scene=self.scene.of_skeleton(skeleton), anchors=anchors)
 
     def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
         """What the film's keypoints say of the poses of some frames, or of one."""

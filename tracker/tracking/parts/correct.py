@@ -26,6 +26,7 @@ from keypose.tracker.session.settings import Quality
 from keypose.tracker.tracking.anchored_cycle import track_anchored
 from keypose.tracker.tracking.cues.anchors import anchors_of
 from keypose.tracker.tracking.cues.joint_evidence import JointEvidence
+from keypose.tracker.tracking.cues.other_film import OtherFilm
 from keypose.tracker.tracking.cycle import Outcome, Work, track_from
 from keypose.tracker.tracking.frame_pair import capped_score
 from keypose.tracker.tracking.initial.chains import Chain, blend_chains, follow_both
@@ -42,6 +43,7 @@ from keypose.tracker.tracking.parts.limb_segment import (
     closed_on,
     closed_pieces,
     limb_anchors,
+    limb_film,
     other_side,
     with_limb,
     with_parts,
@@ -91,7 +93,7 @@ class Evidence:
     """What a limb is tracked from: the pictures, and keypoints where there are any.
 
     scene, free: of the whole body, as it is tracked, and with free joints where keypoints count.
-    camera: of the video, with its distortion.
+    camera: of the video, with its distortion.  films: what others show of the segment.
     """
 
     scene: Scene
@@ -99,6 +101,7 @@ class Evidence:
     camera: Camera | None = None
     keypoints: Keypoints | None = None
     brightness: bool = True
+    films: Sequence[OtherFilm] = ()
 
 
 def corrected(
@@ -204,8 +207,12 @@ def _tracked(
         if candidates:
             anchors = limb_anchors(candidates, segment, whole, free)
             by_brightness = begun if evidence.brightness else None
+            shown = [limb_film(film, segment, whole, free.skeleton) for film in evidence.films]
+            films = [film for film in shown if film is not None]
             work = track_anchored(
-                scene, free, segment, method, [anchors], by_brightness, reach_far=False
+                *(scene, free, segment, method, [anchors], by_brightness),
+                films=films,
+                reach_far=False,
             )
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))

@@ -22,6 +22,7 @@ from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.solver.projection import image_points
 from keypose.tracker.solver.robust import Cauchy
 from keypose.tracker.tracking.cues.anchors import Anchors
+from keypose.tracker.tracking.cues.other_film import OtherFilm
 from keypose.tracker.tracking.drift import Motions, correct_drift
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedLimb, KeyedParts, keyed_limbs, placed
 from keypose.tracker.tracking.scene import Scene
@@ -98,6 +99,10 @@ class LimbSegment(Segment):
         keyframes = (whole.first_frame, whole.last_frame)
         return [n for n in (self.first_frame, self.last_frame) if n not in keyframes]
 
+    def rows_set_right(self, whole: Segment) -> list[int]:
+        """The same as rows of the given motion."""
+        return [frame - self.first_frame for frame in self.set_right(whole)]
+
     def interpolated(self) -> Trajectory:
         """The given motion, the limb's turns interpolated."""
         even = interpolate(self.start, self.end, self.first_frame, self.last_frame)
@@ -137,18 +142,44 @@ def limb_anchors(
     first = segment.first_frame - whole.first_frame
     rows = slice(first, first + len(segment.given))
     anchors = resolve_sides([each.of_rows(rows) for each in candidates], segment, scene)
-    set_right = [frame - segment.first_frame for frame in segment.set_right(whole)]
-    return _missing_as_near(anchors, segment, scene, set_right)
+    return _missing_as_near(anchors, segment.given, segment, scene, segment.rows_set_right(whole))
+
+
+def limb_film(
+    film: OtherFilm, segment: LimbSegment, whole: Segment, skeleton: Skeleton
+) -> OtherFilm | None:
+    """What another film shows of a limb's segment; None where it hardly reaches over it.
+
+    film: of the whole segment.  skeleton: in which the limb alone is tracked.
+    """
+    first = segment.first_frame - whole.first_frame
+    part = film.between(first, first + len(segment.given) - 1)
+    if part is None:
+        return None
+    part = part.of_skeleton(skeleton)
+    if part.anchors is None:
+        return part
+    there, set_right = segment.given.carried(part.Ts_film_first), segment.rows_set_right(whole)
+    return replace(
+        part, anchors=_missing_as_near(part.anchors, there, segment, part.scene, set_right)
+    )
 
 
 def _missing_as_near(
-    anchors: Anchors, segment: LimbSegment, scene: Scene, set_right: Sequence[int]
+    anchors: Anchors,
+    given: Trajectory,
+    segment: LimbSegment,
+    scene: Scene,
+    set_right: Sequence[int],
 ) -> Anchors:
     """Without what the limb's keypoints miss it by at the rows where it was set right, fading from
-    there."""
-    p = anchors.where(segment.given.transforms(scene.skeleton))
+    there.
+
+    given: the segment's own motion as the camera saw it whose keypoints these are.
+    """
+    p = anchors.where(given.transforms(scene.skeleton))
     miss = (anchors.uv - image_points(scene.camera, p))[set_right]
-    deeper = (anchors.depth - (p[..., 2] - segment.given.ps_camera_root[:, None, 2]))[set_right]
+    deeper = (anchors.depth - (p[..., 2] - given.ps_camera_root[:, None, 2]))[set_right]
     own = np.isin(anchors.parts, segment.parts) & (anchors.scale[set_right] > 0)
     away = np.linalg.norm(miss, axis=-1) > ELSEWHERE * anchors.height_px
     near = _alike(np.arange(len(anchors.uv)), set_right)

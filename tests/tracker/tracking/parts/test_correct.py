@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,16 @@ import pytest
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.body.trajectory import Pass, Trajectory
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.geometry.film_clock import FilmClock
+from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler, transform
 from keypose.tracker.session.settings import ALL_CUES, TrackSettings
 from keypose.tracker.tracking.cues.sources import GivenKeypoints
+from keypose.tracker.tracking.film_beside import FilmBeside
 from keypose.tracker.tracking.parts.limb_keyframes import KeyedParts
+from keypose.tracker.tracking.prepared_film import PreparedFilm
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.tracking.tracker import Tracker
-from keypose.tracker.video.clip_loader import ClipLoader
+from keypose.tracker.video.clip_loader import AGAIN, ClipLoader
 from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, moving
 from tests.tracker.tracking.test_tracker import same
 from tests.tracker.tracking_cases import Case, case
@@ -155,6 +159,38 @@ def grey_tracker(keypoints: bool, *keyed: KeyedParts) -> Tracker:
     source = GivenKeypoints(FILM.keypoints) if keypoints else None
     film: Any = type("Film", (), {"clip": segment.clip})()
     return Tracker(film, CAMERA, SKELETON, poses, keypoints=source, keyed_parts=keyed)
+
+
+R_SIDE = rotation_from_euler(0.0, np.radians(80.0), 0.0)
+MIDDLE = FILM.truth.ps_camera_root.mean(axis=0)
+T_SIDE = transform(R_SIDE, MIDDLE - R_SIDE @ MIDDLE)
+
+
+def from_the_side() -> FilmBeside:
+    """The same motion as a camera aside films it, whose pictures are as grey."""
+    count = FILM.truth.last_frame + 1
+    Ts = np.broadcast_to(T_SIDE, (count, 4, 4))
+    shown = Filmed(FILM.truth.carried(Ts[FILM.truth.first_frame :]))
+    video: Any = type("Film", (), {"info": type("Info", (), {"frame_count": count})()})()
+    film = PreparedFilm(video, CAMERA, (), False, AGAIN, None, None)
+    return FilmBeside(film, FilmClock(), Ts, Ts, shown.keypoints)
+
+
+@pytest.mark.usefixtures("grey")
+def test_a_limb_that_is_set_right_is_held_by_the_other_film_as_well() -> None:
+    segment = FILM.segment
+    span, middle = (segment.first_frame, segment.last_frame), segment.first_frame + 6
+    key = KeyedParts.of(SKELETON, middle, ARM, FILM.truth.pose(middle))
+    flat = GivenKeypoints(replace(FILM.keypoints, p_hips=None))
+    poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
+    errors = []
+    for films in ([], [from_the_side()]):
+        video: Any = type("Film", (), {"clip": segment.clip})()
+        tracker = Tracker(
+            *(video, CAMERA, SKELETON, poses), keypoints=flat, keyed_parts=(key,), films=films
+        )
+        errors.append(error_m(run(tracker, TrackSettings(cues=("keypoints",)), span).trajectory))
+    assert errors[1] < 0.6 * errors[0]
 
 
 def error_m(motion: Trajectory) -> float:
