@@ -32,6 +32,8 @@ LIKELY = 0.7
 MOST_TRIED = 8
 APART_S = 0.067
 """Offsets that lie nearer to one another are one."""
+HEARD_S = 0.12
+"""How far sound and motion may lie apart that are one: phones record one beside the other."""
 ROUNDS = 4
 REACH_S = 0.05
 """How far from where it is an offset is looked for in one round."""
@@ -69,13 +71,17 @@ def find_offsets(
     rate: frames of the film per frame of the first.
     """
     offsets: list[FoundOffset] = []
-    for begins in likely_begins(search.first, search.film, rate, search.fps):
+    likely = likely_begins(search.first, search.film, rate, search.fps)
+    for begins in [*(() if search.heard is None else (search.heard,)), *likely]:
         if cancelled():
             break
         offset = search.about(FilmClock(begins, rate))
         if offset is not None and offset.cost < MOST_COST:
             offsets.append(offset)
     offsets.sort(key=lambda each: each.cost)
+    as_heard = [each for each in offsets if _is_heard(search, each)]
+    if as_heard:
+        return (as_heard[0],)
     distinct: list[FoundOffset] = []
     for each in offsets:
         away = [abs(each.clock.begins - kept.clock.begins) for kept in distinct]
@@ -83,6 +89,13 @@ def find_offsets(
         if each.cost <= CLOSE * offsets[0].cost and not near:
             distinct.append(each)
     return tuple(distinct)
+
+
+def _is_heard(search: OffsetSearch, offset: FoundOffset) -> bool:
+    """Whether the sound of both films says the same."""
+    if search.heard is None:
+        return False
+    return abs(offset.clock.begins - search.heard) <= HEARD_S * search.fps
 
 
 def likely_begins(first: Sightings, film: Sightings, rate: float, fps: float) -> list[float]:
@@ -143,7 +156,8 @@ class OffsetSearch:
 
     first, film: each at its own frames.  fps: of the first.  lengths_m, free_focal, keyed: as of
     `find_camera`.  start: T_camera_first to begin from alone, its lengths in any unit; None where
-    nobody knows where the cameras stand.
+    nobody knows where the cameras stand.  heard: the frame at which the film begins, as the sound
+    of both says; None where it says nothing.
     """
 
     first: Sightings
@@ -153,6 +167,7 @@ class OffsetSearch:
     free_focal: tuple[bool, bool] = (False, False)
     keyed: Mapping[int, Array] | None = None
     start: Array | None = None
+    heard: float | None = None
 
     def about(self, clock: FilmClock) -> FoundOffset | None:
         """Camera and offset found in turn, from about the right offset; None where nothing tells

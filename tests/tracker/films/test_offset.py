@@ -61,6 +61,16 @@ def test_cameras_that_are_carried_along_known_paths_are_found_in_their_bases(
     assert off[1][1] < off[0][1] + 0.3
 
 
+def test_where_a_motion_repeats_itself_sound_says_which_time_it_was() -> None:
+    films = two_films(stride, 60.0, FilmClock(3.4))
+    silent = found_in(films)
+    assert len(silent) > 1
+    (only,) = found_in(films, heard=3.9)
+    assert abs(only.clock.begins - 3.4) < 1.0
+    elsewhere = found_in(films, heard=300.0)  # of another event: nothing moves as it says
+    assert [each.clock for each in elsewhere] == [each.clock for each in silent]
+
+
 def test_how_long_the_unit_of_a_camera_s_way_is_is_found_from_the_body() -> None:
     films = two_films(throw, 60.0, FilmClock(3.4), in_hand=(False, True))
     path = films.film.path
