@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
@@ -63,8 +64,12 @@ def _size(view: View) -> tuple[int, int]:
 
 
 def _of_film(cameras: Sequence[CalibratedCamera], view: View) -> list[CalibratedCamera]:
-    """The cameras that may have taken a film: those whose names are in its file's; all where none
-    is."""
+    """The cameras that may have taken a film: those whose names are in its file's as words of their
+    own, as 1 is in take_1 and not in IMG_1044; all where none is."""
     stem = Path(view.video.path).stem.lower()
-    named = [camera for camera in cameras if camera.name.lower() in stem]
+    named = [camera for camera in cameras if _is_word_in(camera.name.lower(), stem)]
     return named or list(cameras)
+
+
+def _is_word_in(name: str, text: str) -> bool:
+    return re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", text) is not None
