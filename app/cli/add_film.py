@@ -18,6 +18,7 @@ from keypose.app.words.films import (
     opposite_words,
     pair_words,
     place_of,
+    rate_words,
     turned_deg,
 )
 from keypose.tracker.session import Session
@@ -49,7 +50,8 @@ def _lines(session: Session, added: AddedFilm) -> tuple[str, ...]:
     lens = lens_words(session.view, added.session.view, file)
     pair = "" if added.pair is None else pair_words(added.pair, added.view)
     opposite = opposite_words(added.session, added.view)
-    return pair, film_words(added.view), opposite, lens, mended_words(added.mended)
+    rate = rate_words(added.view, added.rate)
+    return pair, film_words(added.view), rate, opposite, lens, mended_words(added.mended)
 
 
 def _facts(added: AddedFilm) -> dict[str, object]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
 from keypose.app.editor.documents import film_of
-from keypose.app.editor.films import choices_beside
+from keypose.app.editor.films import choices_beside, require_overlap
 from keypose.app.jobs.seen_in_films import (
     box_of,
     detected,
@@ -16,18 +16,18 @@ from keypose.app.jobs.seen_in_films import (
     keypoints_of_others,
 )
 from keypose.app.jobs.synchronised import (
-    Synchronised,
     best_of,
     frame_rates,
-    offsets_of,
-    why_not_synchronised,
+    require_common_motion,
+    synchronised,
 )
 from keypose.app.jobs.with_film import AddedFilm, with_film
 from keypose.app.orders.film import BesideOrder
 from keypose.app.orders.tracking import FilmTaken, said
-from keypose.app.words.films import aside_deg
+from keypose.app.words.films import aside_deg, same_view_words
 from keypose.tracker.errors import SessionError
 from keypose.tracker.formats.cameras.calibrated_pair import calibrated_pairs
+from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -69,32 +69,26 @@ def found_film(
     ):
         view = _begun_view(session, session_path, video, taken)
         rates = frame_rates(session, view, first, video)
+        if order.begins is not None:
+            require_overlap(session, view, FilmClock(order.begins, rates[1] / rates[0]))
+        pairs = [None] if calibration is None else calibrated_pairs(calibration, session.view, view)
         first_keypoints = keypoints_of_first(session, session_path, first, cancelled)
         report(0.2)
         box, at = box_of(order, video)
         film_keypoints, network = detected(session, view, video, box, at, report, cancelled)
     keypoints = first_keypoints, film_keypoints
-    pairs = [None] if calibration is None else calibrated_pairs(calibration, session.view, view)
     tried = [
-        Synchronised(
-            pair, offsets_of(session, view, keypoints, rates, order.begins, pair, cancelled)
-        )
+        synchronised(session, view, keypoints, rates, order.begins, pair, cancelled)
         for pair in pairs
     ]
     if cancelled():
         raise Cancelled
-    synchronised = best_of(tried)
-    if not synchronised.offsets:
-        raise SessionError(
-            why_not_synchronised(session, view, keypoints, order.begins, calibration)
-        )
+    best = best_of(tried)
+    require_common_motion(session, view, keypoints, best, order.begins, calibration)
     others = keypoints_of_others(session, session_path.parent)
-    added = with_film(session, view, keypoints, synchronised, network, at, others=others)
+    added = with_film(session, view, keypoints, best, network, at, others=others)
     if aside_deg(added.session, added.view) < LEAST_ASIDE_DEG:
-        raise SessionError(
-            f"{path.name} looks at the person as the first film does, so it says nothing of depth: "
-            "add one that was taken from the side."
-        )
+        raise SessionError(same_view_words(path.name))
     return added
 
 
@@ -122,16 +116,13 @@ def placed_again(
     rest = tuple(each for each in session.views if each is not view)
     without = session.model_copy(update={"views": rest})
     keypoints = first_keypoints, film_keypoints
-    offsets = offsets_of(without, view, keypoints, rates, begins, None, cancelled)
-    if not offsets:
-        raise SessionError(why_not_synchronised(without, view, keypoints, begins, None))
+    found = synchronised(without, view, keypoints, rates, begins, None, cancelled)
+    require_common_motion(without, view, keypoints, found, begins, None)
     seeds = view.keypoints.seeds
     network, at = view.keypoints.network, seeds[0] if seeds else 0
     also = choices_beside(view, begins)
     others = keypoints_of_others(without, session_path.parent)
-    return with_film(
-        without, view, keypoints, Synchronised(None, offsets), network, at, also, others=others
-    )
+    return with_film(without, view, keypoints, found, network, at, also, others=others)
 
 
 _TAKES_NONE = ByEvidence(
@@ -160,8 +151,8 @@ def _begun_view(session: Session, session_path: Path, video: Video, taken: FilmT
     view = as_taken(new_session(video, session_path), said(taken)).view
     if view.video.stands_still is False:
         raise SessionError(
-            f"The camera of {video.info.path.name} moves: a film beside another needs one that "
-            "stands still."
+            f"The camera of {video.info.path.name} moves, or the film is cut: a second film needs "
+            "one camera that stands still."
         )
     fingerprints = [each.video.fingerprint for each in session.views]
     if view.video.fingerprint and view.video.fingerprint in fingerprints:

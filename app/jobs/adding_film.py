@@ -14,7 +14,14 @@ from keypose.app.jobs.found_film import FoundFilm
 from keypose.app.jobs.job import Context
 from keypose.app.jobs.progress import seconds_left
 from keypose.app.orders.film import BesideOrder
-from keypose.app.words.films import film_words, lens_words, mended_words, opposite_words, whom_words
+from keypose.app.words.films import (
+    film_words,
+    lens_words,
+    mended_words,
+    opposite_words,
+    rate_words,
+    whom_words,
+)
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.session import Session
@@ -138,7 +145,8 @@ class PlaceFilm(_OfFilms):
 def _with_words(session: Session, added: AddedFilm) -> FoundFilm:
     lens = lens_words(session.view, added.session.view)
     opposite = opposite_words(added.session, added.view)
-    words = (film_words(added.view), opposite, lens, mended_words(added.mended))
+    rate = rate_words(added.view, added.rate)
+    words = (film_words(added.view), rate, opposite, lens, mended_words(added.mended))
     return added.film._replace(words=" ".join(filter(None, words)))
 
 

@@ -8,10 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from keypose.app.words.films import same_view_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
 from keypose.tracker.films.cameras import joints_of_pose, lengths_of
+from keypose.tracker.films.likeness import FEWEST_FRAMES, correlations
 from keypose.tracker.films.offset import CLOSE, MOST_COST, FoundOffset, OffsetSearch, find_offsets
+from keypose.tracker.films.parts import part_in_common, part_that_fits
+from keypose.tracker.films.same_view import is_same_view
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
 from keypose.tracker.geometry.film_clock import FilmClock
@@ -23,6 +27,12 @@ from keypose.tracker.video import Video
 
 LEAST_RATE = 0.01
 """Frames of one film per frame of another, at least, as clocks have them."""
+SLOWED = (2.0, 4.0, 8.0, 0.5, 0.25, 0.125)
+"""By how many times phones play slow motion slower, of the second film and of the first."""
+LEAST_ALIKE = 0.5
+"""From which on slow motion is looked at closer: real films of one motion 0.6 and more."""
+MOST_SCANNED = 1_000_000
+"""Frames of one film times those of the other: longer ones are no slow motion, and take minutes."""
 MOST_MOVED_DEG = 15.0
 """A calibration that is off by more is of another setup; the published one of four cameras that
 misses its own films is off by 2°."""
@@ -30,9 +40,14 @@ misses its own films is off by 2°."""
 
 @dataclass(frozen=True, eq=False)
 class Synchronised:
-    """The offsets of two films, were these their cameras in a calibration; None without one."""
+    """The offsets of two films, were these their cameras in a calibration; None without one.
+
+    rate: frames of the second film per frame of the first, as their files say.
+    """
 
     pair: CalibratedPair | None
+    search: OffsetSearch
+    rate: float
     offsets: tuple[FoundOffset, ...]
 
     @property
@@ -46,6 +61,34 @@ class Synchronised:
         if self.pair is None or not self.offsets:
             return 0.0
         return self.pair.turned_deg(self.offsets[0].camera.T_camera_first)
+
+    @property
+    def part(self) -> range | None:
+        """The frames of the film that alone show what the first does, where others do not."""
+        if self.offsets:
+            return part_that_fits(self.search, self.offsets[0])
+        return part_in_common(self.search, self.rate)
+
+    @property
+    def slowed(self) -> float | None:
+        """How many times slower the second film shows the motion than the files say, below 1 where
+        the first one does; None where neither does."""
+        first, film = self.search.first, self.search.film
+        if len(first) * len(film) > MOST_SCANNED:
+            return None
+        likeness = {
+            factor: _most_alike(first, film, self.rate * factor) for factor in (1.0, *SLOWED)
+        }
+        factor = max(likeness, key=lambda each: likeness[each])
+        if factor == 1.0 or likeness[factor] < LEAST_ALIKE:
+            return None
+        return factor if find_offsets(self.search, self.rate * factor) else None
+
+
+def _most_alike(first: Sightings, film: Sightings, rate: float) -> float:
+    """How alike the motions are at the best offset, 0 where nothing says so."""
+    _, scores = correlations(first, film, rate)
+    return float(np.nan_to_num(scores).max(initial=0.0))
 
 
 def frame_rates(session: Session, view: View, first: Video, video: Video) -> tuple[float, float]:
@@ -62,7 +105,7 @@ def frame_rates(session: Session, view: View, first: Video, video: Video) -> tup
     return rates
 
 
-def offsets_of(
+def synchronised(
     session: Session,
     view: View,
     keypoints: tuple[Keypoints, Keypoints],
@@ -70,8 +113,25 @@ def offsets_of(
     begins: float | None,
     pair: CalibratedPair | None,
     cancelled: Callable[[], bool],
-) -> tuple[FoundOffset, ...]:
+) -> Synchronised:
     """When the film was taken, the likeliest first.  pair: the cameras of both in a calibration."""
+    search, rate = _search(session, view, keypoints, rates[0], pair), rates[1] / rates[0]
+    if begins is None:
+        return Synchronised(pair, search, rate, find_offsets(search, rate, cancelled))
+    clock = FilmClock(begins, rate)
+    camera = search.camera_at(clock)
+    is_found = camera is not None and camera.cost <= MOST_COST
+    offsets = (FoundOffset(clock, 0.0, camera),) if camera is not None and is_found else ()
+    return Synchronised(pair, search, rate, offsets)
+
+
+def _search(
+    session: Session,
+    view: View,
+    keypoints: tuple[Keypoints, Keypoints],
+    fps: float,
+    pair: CalibratedPair | None,
+) -> OffsetSearch:
     cameras = session.view.camera, view.camera
     # the cameras of other films are placed with the first lens as it is
     is_free = session.view.lens_is_guess and len(session.views) == 1
@@ -82,15 +142,7 @@ def offsets_of(
     first = Sightings.of(keypoints[0], cameras[0], session.view.video.frame_count)
     film = Sightings.of(keypoints[1], cameras[1], view.video.frame_count)
     keyed = joints_at(session, (each for each in session.subject.keyframes if not each.drafted))
-    lengths_m, rate = lengths_of(session.subject.body), rates[1] / rates[0]
-    search = OffsetSearch(first, film, rates[0], lengths_m, guesses, keyed, start)
-    if begins is None:
-        return find_offsets(search, rate, cancelled)
-    clock = FilmClock(begins, rate)
-    camera = search.camera_at(clock)
-    if camera is None or camera.cost > MOST_COST:
-        return ()
-    return (FoundOffset(clock, 0.0, camera),)
+    return OffsetSearch(first, film, fps, lengths_of(session.subject.body), guesses, keyed, start)
 
 
 def best_of(tried: Sequence[Synchronised]) -> Synchronised:
@@ -110,32 +162,55 @@ def best_of(tried: Sequence[Synchronised]) -> Synchronised:
     return best
 
 
-def why_not_synchronised(
+def require_common_motion(
     session: Session,
     view: View,
     keypoints: tuple[Keypoints, Keypoints],
+    best: Synchronised,
     begins: float | None,
     calibration: Path | None,
-) -> str:
-    """Why two films could not be synchronised, a sentence."""
-    names = [Path(each.video.path).name for each in (view, session.view)]
+) -> None:
+    """SessionError, in a sentence, where two films could not be synchronised, or only a part."""
+    name, first = (Path(each.video.path).name for each in (view, session.view))
+    for seen, film in ((best.search.film, name), (best.search.first, first)):
+        if seen.seen.sum() < FEWEST_FRAMES:
+            raise SessionError(
+                f"The person is seen well in {seen.seen.sum()} frames of {film}, and in "
+                f"{FEWEST_FRAMES} at least both films have to show the motion."
+            )
+    if (part := best.part) is not None:
+        raise SessionError(
+            f"Only frames {part.start} to {part.stop - 1} of {name} show what {first} shows: it "
+            "may be cut there, or another person is taken for the one who is meant. Cut the film "
+            "there, and add the part that fits."
+        )
+    if best.offsets:
+        return
     if calibration is not None:
-        return (
+        raise SessionError(
             f"{calibration.name} does not fit these films, or they show no motion in common: leave "
             "it out, and the cameras are found from the body alone."
         )
     if begins is not None:
-        return (
-            f"{names[0]} and {names[1]} show no motion in common where it begins at {begins:g}: "
+        raise SessionError(
+            f"{name} and {first} show no motion in common where it begins at {begins:g}: "
             "give another frame, or leave that to be found."
         )
     if any(each.p_hips is None for each in keypoints):
-        return (
-            f"The keypoints of {names[1]} have no depth, so nothing tells when {names[0]} was "
+        raise SessionError(
+            f"The keypoints of {first} have no depth, so nothing tells when {name} was "
             "taken: give the frame at which it begins."
         )
-    return (
-        f"{names[0]} and {names[1]} show no motion in common, so nothing tells when it was taken: "
+    if is_same_view(best.search, best.rate):
+        raise SessionError(same_view_words(name))
+    if (slowed := best.slowed) is not None:
+        slow, other = (name, first) if slowed > 1 else (first, name)
+        raise SessionError(
+            f"{slow} shows the motion {max(slowed, 1 / slowed):g} times slower than {other}: say "
+            "at which rate it was recorded (--recorded-fps), as slow motion is played at another."
+        )
+    raise SessionError(
+        f"{name} and {first} show no motion in common, so nothing tells when it was taken: "
         "give the frame at which it begins."
     )
 

@@ -32,13 +32,15 @@ class AddedFilm:
 
     film: the session with the film, and with mended keyframes, and what was seen in the film.
     offset: when it was taken, and where its camera stands.  others: the other offsets that may be
-        true.  mended: what became of the keyframes.  pair: of a calibration, where one was given.
+        true.  mended: what became of the keyframes.  rate: frames of it per frame of the first, as
+        the files say.  pair: of a calibration, where one was given.
     """
 
     film: FoundFilm
     offset: FoundOffset
     others: tuple[FoundOffset, ...]
     mended: MendedKeyframes
+    rate: float
     pair: CalibratedPair | None = None
 
     @property
@@ -89,7 +91,7 @@ def with_film(
     of_films = {**others, session.view.id: first_keypoints, view.id: film_keypoints}
     mended = mend_keyframes(after, of_films)
     film = FoundFilm(mended.session, film_keypoints, network, at, "")
-    return AddedFilm(film, best, tuple(further), mended, synchronised.pair)
+    return AddedFilm(film, best, tuple(further), mended, synchronised.rate, synchronised.pair)
 
 
 def _with_first_lens(session: Session, synchronised: Synchronised) -> Session:

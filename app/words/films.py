@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 OPPOSITE_DEG: Final = 150.0
 """Cameras from there on share a blind axis."""
+SAME_RATE: Final = 1e-6
+"""By which share rates are one, rounded as they are."""
 
 
 def film_words(view: View) -> str:
@@ -36,6 +38,14 @@ def opposite_words(session: Session, view: View) -> str:
     return (
         "It sees the person from the other side: neither film shows how far away limbs are along "
         "that line. One from the side shows more."
+    )
+
+
+def same_view_words(name: str) -> str:
+    """Why a film is not added that shows the person from where the first does."""
+    return (
+        f"{name} looks at the person as the first film does, so it says nothing of depth: "
+        "add one that was taken from the side."
     )
 
 
@@ -59,13 +69,27 @@ def clock_words(view: View) -> str:
     off = "" if sigma is None else f" ± {max(2 * sigma, 0.05):.1f}"
     words = f"begins {abs(begins):.1f}{off} frames {'before' if begins < 0 else 'after'} the first"
     if abs(view.clock.rate - 1) > 1e-4:
-        words += f" film, at {view.clock.rate:.4g} of its frame rate"
+        words += f" film, at {view.clock.rate:.5g} of its frame rate"
     else:
         words += " film"
     if not view.clock.also:
         return words
     others = " or ".join(f"{each:.1f}" for each in view.clock.also)
     return f"{words}; the motion repeats itself, so it may as well begin at {others}"
+
+
+def rate_words(view: View, rate: float) -> str:
+    """Such as "side.mp4 is played 1.00 % slower than it was recorded, as the body shows: its clock
+    follows that."; empty where it is not.  rate: of `Clock`, as the files say."""
+    share = view.film_clock.rate / rate - 1
+    if abs(share) < SAME_RATE:
+        return ""
+    # more frames in the same time are a film that is played too slowly
+    how = "slower" if share > 0 else "faster"
+    return (
+        f"{Path(view.video.path).name} is played {100 * abs(share):.2f} % {how} than it was "
+        "recorded, as the body shows: its clock follows that."
+    )
 
 
 def pair_words(pair: CalibratedPair, view: View) -> str:

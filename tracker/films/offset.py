@@ -1,32 +1,27 @@
 """Find how two films' clocks lie beside each other, from the motion that both saw.
 
-How far joints lie from one another in space does not depend on the view: these distances, as the
-network has them, rise and fall alike in both films, and correlate where the clocks agree. About
-each such offset cameras and offset are then found in turn, the latter by how far joints lie from
-where the other film's rays would have them (Sampson's distance). Where a motion repeats itself
-several offsets explain it nearly as well: all are kept.
+About each offset at which the motions are alike (`likeness.py`) camera and offset are found in
+turn, the latter by how far joints lie from where the other film's rays would have them (Sampson's
+distance). Where a motion repeats itself several offsets explain it nearly as well: all are kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from itertools import combinations
+from functools import cached_property
 
 import numpy as np
 
 from keypose.tracker.films.cameras import OWN_SIGMA, FoundCamera, at_limbs_length, find_camera
+from keypose.tracker.films.epipolar import epipolar_residuals
+from keypose.tracker.films.likeness import FEWEST_FRAMES, alike, correlations, distances_of
+from keypose.tracker.films.rate import clocks_by_pieces, found_rate
 from keypose.tracker.films.sightings import Sightings
-from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.solver.robust import Cauchy
 
-PAIRS = np.array(list(combinations(range(len(JOINTS)), 2)))
-LEAST_OVERLAP = 0.3
-"""Share of the shorter film that both have to show."""
-FEWEST_FRAMES = 12
 LIKELY = 0.7
 """Share of the best correlation from which an offset is looked at closer."""
 MOST_TRIED = 8
@@ -35,6 +30,7 @@ APART_S = 0.067
 HEARD_S = 0.12
 """How far sound and motion may lie apart that are one: phones record one beside the other."""
 ROUNDS = 4
+RATE_ROUNDS = 2
 REACH_S = 0.05
 """How far from where it is an offset is looked for in one round."""
 CLOSE = 1.15
@@ -42,7 +38,11 @@ CLOSE = 1.15
 the next stride costs 3 to 12 % more."""
 MOST_COST = 15.0
 """Of a moment of a motion that both films show: of recorded motions and one real pair 4 to 8, of
-two different ones 25 and more."""
+two different ones 9 and more."""
+MOST_COST_ALIKE = 17.0
+"""That cost divided by how alike the motions are (1: distances between joints change alike): two
+walks of two persons fit one another nearly as well as two films of one, and are less alike. Of real
+films of one motion 1 to 9, of two motions 26 and more."""
 KERNEL = Cauchy()
 
 
@@ -68,16 +68,14 @@ def find_offsets(
 ) -> tuple[FoundOffset, ...]:
     """The offsets that may be true, the likeliest first; none where the films share no motion.
 
-    rate: frames of the film per frame of the first.
+    rate: frames of the film per frame of the first, as their files say; the body may show another.
     """
-    offsets: list[FoundOffset] = []
     likely = likely_begins(search.first, search.film, rate, search.fps)
-    for begins in [*(() if search.heard is None else (search.heard,)), *likely]:
-        if cancelled():
-            break
-        offset = search.about(FilmClock(begins, rate))
-        if offset is not None and offset.cost < MOST_COST:
-            offsets.append(offset)
+    begins = [*(() if search.heard is None else (search.heard,)), *likely]
+    offsets = _explaining(search, [FilmClock(each, rate) for each in begins], cancelled)
+    if not offsets:
+        clocks = clocks_by_pieces(*search.distances, rate, search.fps)
+        offsets = _explaining(search, clocks, cancelled)
     offsets.sort(key=lambda each: each.cost)
     as_heard = [each for each in offsets if _is_heard(search, each)]
     if as_heard:
@@ -98,6 +96,20 @@ def _is_heard(search: OffsetSearch, offset: FoundOffset) -> bool:
     return abs(offset.clock.begins - search.heard) <= HEARD_S * search.fps
 
 
+def _explaining(
+    search: OffsetSearch, clocks: Iterable[FilmClock], cancelled: Callable[[], bool]
+) -> list[FoundOffset]:
+    """The offsets about these clocks that explain what both films show."""
+    offsets: list[FoundOffset] = []
+    for clock in clocks:
+        if cancelled():
+            break
+        offset = search.about(clock)
+        if offset is not None and search.explains(offset):
+            offsets.append(offset)
+    return offsets
+
+
 def likely_begins(first: Sightings, film: Sightings, rate: float, fps: float) -> list[float]:
     """Where the film may begin, in frames of the first: the best of what correlates well."""
     grid, correlation = correlations(first, film, rate)
@@ -114,40 +126,6 @@ def likely_begins(first: Sightings, film: Sightings, rate: float, fps: float) ->
         if all(abs(grid[k] - begins) > APART_S * fps for begins in chosen):
             chosen.append(float(grid[k]))
     return chosen[:MOST_TRIED]
-
-
-def correlations(first: Sightings, film: Sightings, rate: float) -> tuple[Array, Array]:
-    """Frames of the first film (K,) at which the other may begin, and how alike (K,) the distances
-    between joints change in both then, −1 to 1; NaN where too little of both is seen."""
-    own, beside = _distances(first), _distances(film)
-    count, length = len(own), (len(beside) - 1) / rate
-    least = max(FEWEST_FRAMES, LEAST_OVERLAP * min(count, length))
-    grid = np.arange(np.ceil(least - length), np.floor(count - least) + 1.0)
-    alike = np.array(
-        [_alike(own, sampled(beside, FilmClock(begins, rate).frames_at(np.arange(count))), least)
-         for begins in grid]
-    )  # fmt: skip
-    return grid, alike
-
-
-def _distances(film: Sightings) -> Array:
-    """(N, pairs) how far joints lie from one another, NaN where not seen well enough."""
-    joints = np.where(film.visibility[..., None] > 0, film.p_hips, np.nan)
-    return np.asarray(np.linalg.norm(joints[:, PAIRS[:, 0]] - joints[:, PAIRS[:, 1]], axis=-1))
-
-
-def _alike(a: Array, b: Array, least: float) -> float:
-    """The correlation of all series (N, pairs) together, each about its own mean."""
-    both = np.isfinite(a) & np.isfinite(b)
-    used = both.sum(axis=0) >= least
-    if not used.any():
-        return np.nan
-    a, b, both = a[:, used], b[:, used], both[:, used]
-    a, b = np.where(both, a, 0.0), np.where(both, b, 0.0)
-    count = both.sum(axis=0)
-    a, b = (a - a.sum(axis=0) / count) * both, (b - b.sum(axis=0) / count) * both
-    size = np.sqrt((a**2).sum() * (b**2).sum())
-    return float((a * b).sum() / size) if size > 0 else np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,10 +147,42 @@ class OffsetSearch:
     start: Array | None = None
     heard: float | None = None
 
+    @cached_property
+    def distances(self) -> tuple[Array, Array]:
+        """(N, pairs) between joints in both films."""
+        return distances_of(self.first), distances_of(self.film)
+
+    def explains(self, offset: FoundOffset) -> bool:
+        """Whether an offset explains what both films show."""
+        own, beside = self.distances
+        there = sampled(beside, offset.clock.frames_at(np.arange(len(own))))
+        score = alike(own, there, FEWEST_FRAMES)
+        return offset.cost < min(MOST_COST, MOST_COST_ALIKE * score)
+
+    @cached_property
+    def _offsets(self) -> dict[FilmClock, FoundOffset | None]:
+        """What was found about clocks so far."""
+        return {}
+
     def about(self, clock: FilmClock) -> FoundOffset | None:
-        """Camera and offset found in turn, from about the right offset; None where nothing tells
-        where the camera is."""
-        near: Array | None = None
+        """Camera, offset and rate found in turn, from about the right clock; None where nothing
+        tells where the camera is."""
+        if clock not in self._offsets:
+            self._offsets[clock] = self._at_its_rate(self._in_turn(clock, None))
+        return self._offsets[clock]
+
+    def _at_its_rate(self, offset: FoundOffset | None) -> FoundOffset | None:
+        """An offset with the rate that the body shows."""
+        for _ in range(RATE_ROUNDS):
+            if offset is None:
+                return None
+            faster = found_rate(self.first, self.film, offset.clock, offset.camera, self.fps)
+            if faster is None:
+                break
+            offset = self._in_turn(faster, offset.camera.T_camera_first)
+        return offset
+
+    def _in_turn(self, clock: FilmClock, near: Array | None) -> FoundOffset | None:
         offset: FoundOffset | None = None
         for _ in range(ROUNDS):
             camera = self.camera_at(clock, near)
@@ -220,30 +230,10 @@ def _minimum(
 def _apart(
     first: Sightings, film: Sightings, clock: FilmClock, camera: FoundCamera
 ) -> tuple[float, float]:
-    """How far joints lie from the rays of the other film (Sampson), in the mean of squares over
-    variances, weighed by Cauchy's kernel; and of how many that is."""
-    film = film.at(clock, np.arange(len(first)))
-    a_scale, b_scale = first.scale, film.scale
-    used = (a_scale > 0) & (b_scale > 0)
-    if used.sum() < FEWEST_FRAMES:
+    """How far joints lie from the rays of the other film, in the mean of squares over variances,
+    weighed by Cauchy's kernel; and of how many that is."""
+    residuals = epipolar_residuals(first, film.at(clock, np.arange(len(first))), camera)
+    away = np.abs(residuals[np.isfinite(residuals)])
+    if len(away) < FEWEST_FRAMES:
         return np.inf, 0.0
-    a, b = (np.concatenate([f.xy[used], np.ones((used.sum(), 1))], axis=1) for f in (first, film))
-    a = a / np.array([camera.first_focal, camera.first_focal, 1.0])
-    b = b / np.array([camera.focal, camera.focal, 1.0])
-    Ts_film = film.Ts_camera_base(camera.metres) @ camera.T_camera_first
-    Ts = Ts_film @ rigid_inverse(first.Ts_camera_base())
-    E = essential(Ts)[np.nonzero(used)[0]]
-    Ea, Eb = np.einsum("nij,nj->ni", E, a), np.einsum("nij,ni->nj", E, b)
-    off = (b * Ea).sum(axis=1)
-    variance = (Ea[:, :2] ** 2).sum(axis=1) / b_scale[used] ** 2
-    variance += (Eb[:, :2] ** 2).sum(axis=1) / a_scale[used] ** 2
-    away = np.abs(off) / np.sqrt(np.maximum(variance, 1e-30))
-    return float(KERNEL.loss(away).mean()), float(used.sum())
-
-
-def essential(T_camera_first: Array) -> Array:
-    """(..., 3, 3) E with bᵀ E a = 0 of rays a of the first camera and b of the other that meet."""
-    x, y, z = np.moveaxis(T_camera_first[..., :3, 3], -1, 0)
-    nought = np.zeros_like(x)
-    cross = np.stack([nought, -z, y, z, nought, -x, -y, x, nought], axis=-1)
-    return np.asarray(cross.reshape(*x.shape, 3, 3) @ T_camera_first[..., :3, :3])
+    return float(KERNEL.loss(away).mean()), float(len(away))

@@ -104,6 +104,10 @@ class Sightings:
         Ts[:, :3, 3] += metres * self.way
         return Ts
 
+    def zoomed(self, focal: float) -> Sightings:
+        """The same by a lens that is so many times as long as it was taken to be."""
+        return replace(self, xy=self.xy / focal, sigma=self.sigma / focal)
+
     @property
     def scale(self) -> Array:
         """(N, J) 1/σ of an xy, 0 where not seen: what is half seen is half as sure."""

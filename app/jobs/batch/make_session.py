@@ -42,7 +42,13 @@ from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats, with_settings
 from keypose.app.orders.film import FILM_ORDERS, BesideOrder, FilmToDraft
 from keypose.app.orders.tracking import said
-from keypose.app.words.films import film_words, lens_words, mended_words, opposite_words
+from keypose.app.words.films import (
+    film_words,
+    lens_words,
+    mended_words,
+    opposite_words,
+    rate_words,
+)
 from keypose.app.words.people import (
     accepted_words,
     another_person_words,
@@ -165,6 +171,7 @@ def _with_films(
         else:
             for words in (
                 film_words(added.view),
+                rate_words(added.view, added.rate),
                 opposite_words(added.session, added.view),
                 lens_words(session.view, added.session.view),
                 mended_words(added.mended),

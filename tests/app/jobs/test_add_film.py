@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 import av
 import cv2
@@ -147,6 +146,19 @@ def side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return write_video(tmp_path / "side.mp4", count, 2)
 
 
+class Network:
+    """Of nobody's: what it sees is given."""
+
+    fingerprint = "seen by nobody"
+
+
+def detected(monkeypatch: pytest.MonkeyPatch, keypoints: Keypoints) -> None:
+    """What the detector sees in the second film."""
+    monkeypatch.setattr(seen_in_films, "detect", lambda *_, **__: keypoints)
+    monkeypatch.setattr(seen_in_films, "open_detector", lambda model: Network())
+    monkeypatch.setattr(seen_in_films, "find_model", find_model)
+
+
 def seen_in(
     monkeypatch: pytest.MonkeyPatch,
     joints: Array,
@@ -154,19 +166,10 @@ def seen_in(
     T: Array = T_SIDE,
     clock: FilmClock = CLOCK,
 ) -> None:
-    """What the detector sees in the second film."""
-
-    class Network:
-        fingerprint = "seen by nobody"
-
-    def detect(*_: Any, **__: Any) -> Keypoints:
-        there = sampled(joints, clock.moments_of(np.arange(count)))
-        there = there @ T[:3, :3].T + T[:3, 3]
-        return keypoints_of(there, Camera.guess(*SIZE), 2)
-
-    monkeypatch.setattr(seen_in_films, "detect", detect)
-    monkeypatch.setattr(seen_in_films, "open_detector", lambda model: Network())
-    monkeypatch.setattr(seen_in_films, "find_model", find_model)
+    """What the detector sees in the second film: joints by their camera and clock."""
+    there = sampled(joints, clock.moments_of(np.arange(count)))
+    there = there @ T[:3, :3].T + T[:3, 3]
+    detected(monkeypatch, keypoints_of(there, Camera.guess(*SIZE), 2))
 
 
 def added(path: Path, film: Path, *more: str) -> Session:
@@ -452,7 +455,136 @@ def test_a_film_of_a_camera_that_moves_is_refused(
     path = begun(tmp_path)
     write_video(side, len(JOINTS_M) - 8, 2, moves=True)
     assert main(["add-film", str(path), str(side), *FROM_THE_SIDE]) == 2
-    assert "The camera of side.mp4 moves" in capsys.readouterr().err
+    assert "The camera of side.mp4 moves, or the film is cut" in capsys.readouterr().err
+
+
+def refused(path: Path, film: Path, *more: str) -> None:
+    """Adding a film ends with 2, and the session is as it was."""
+    before = path.read_bytes()
+    assert main(["add-film", str(path), str(film), *FROM_THE_SIDE, *more]) == 2
+    assert path.read_bytes() == before
+
+
+COUNT = len(JOINTS_M) - 8
+T_OTHER = transform(rotation_from_euler(0.0, np.radians(-60.0), 0.0), np.array([0.2, 0.1, 6.0]))
+THERE = sampled(JOINTS_M, CLOCK.moments_of(np.arange(COUNT)))
+FROM_SIDE = THERE @ T_SIDE[:3, :3].T + T_SIDE[:3, 3]
+ELSEWHERE = np.concatenate([FROM_SIDE[:60], joints_of(crossing)[: COUNT - 60]])
+UNSEEN = np.full_like(FROM_SIDE, np.nan)
+BAD_FILMS = {
+    "another scene follows": (
+        ELSEWHERE,
+        "Only frames 0 to 60 of side.mp4 show what front.mp4 shows: it may be cut there",
+    ),
+    "nobody is seen in it": (UNSEEN, "The person is seen well in 0 frames of side.mp4"),
+    "he is seen for a moment": (
+        np.concatenate([FROM_SIDE[:7], UNSEEN[7:]]),
+        "The person is seen well in 7 frames of side.mp4",
+    ),
+    "a copy of the first film": (JOINTS_M, "side.mp4 looks at the person as the first film does"),
+    "a copy from its tenth frame on": (
+        JOINTS_M[10:],
+        "side.mp4 looks at the person as the first film does",
+    ),
+}
+
+
+@pytest.mark.parametrize(("joints", "words"), BAD_FILMS.values(), ids=BAD_FILMS)
+def test_a_film_that_shows_no_second_view_is_refused_in_one_sentence_also_on_the_page(
+    tmp_path: Path,
+    side: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    joints: Array,
+    words: str,
+) -> None:
+    path = begun(tmp_path)
+    seen = np.nan_to_num(joints[:COUNT], nan=1.0)
+    keypoints = keypoints_of(seen, Camera.from_focal_length(*SIZE, 30.0), 2)
+    visibility = np.isfinite(joints[:COUNT, :, 0]).astype(float)
+    detected(monkeypatch, replace(keypoints, visibility=visibility))
+    person_in(monkeypatch, BOX)
+    refused(path, side)
+    said = capsys.readouterr().err
+    assert said.startswith(words)
+    assert said.count("\n") == 1
+    *_, end = reported(asked_on_the_page(path, side), None)
+    assert isinstance(end, Failed)
+    assert end.words == said.strip()
+
+
+def test_a_film_that_would_show_nothing_of_the_first_one_s_time_is_refused(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    for begins in ("500", "-300"):
+        refused(path, side, f"--begins={begins}")
+        assert "side.mp4 would show nothing of the first film's time" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("clock", "words"),
+    [
+        (FilmClock(2.0, 2.0), "side.mp4 shows the motion 2 times slower than front.mp4"),
+        (FilmClock(2.0, 0.5), "front.mp4 shows the motion 2 times slower than side.mp4"),
+    ],
+)
+def test_slow_motion_that_nobody_has_spoken_of_is_named(
+    tmp_path: Path,
+    side: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    clock: FilmClock,
+    words: str,
+) -> None:
+    count = int((len(JOINTS_M) - 4) * clock.rate)
+    seen_in(monkeypatch, JOINTS_M, count, clock=clock)
+    write_video(side, count, 2)
+    refused(begun(tmp_path), side)
+    assert words in capsys.readouterr().err
+
+
+def test_a_clock_that_runs_otherwise_than_its_file_says_is_found_and_said(
+    tmp_path: Path, side: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    clock = FilmClock(1.5, 1.025)
+    count = int((len(JOINTS_M) - 3) * clock.rate)
+    seen_in(monkeypatch, JOINTS_M, count, clock=clock)
+    write_video(side, count, 2)
+    other = added(begun(tmp_path), side).views[1]
+    assert other.film_clock.rate == pytest.approx(1.025, abs=0.003)
+    assert "side.mp4 is played 2." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("size", "code"), [((640, 360), 0), ((300, 400), 2)])
+@pytest.mark.parametrize("order", ["abc", "cab", "bca"])
+def test_a_calibration_has_its_cameras_in_any_order_and_in_pictures_of_the_same_shape(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str],
+    size: tuple[int, int], code: int, order: str
+) -> None:  # fmt: skip
+    path = begun(tmp_path)
+    before = path.read_bytes()
+    K = Camera.from_focal_length(*size, 30.0).K.tolist()
+    Ts = {"a": np.eye(4), "b": T_SIDE, "c": T_OTHER}
+    rig = tmp_path / "rig.toml"
+    rig.write_text(
+        "\n".join(
+            f"[{name}]\nsize = {list(size)}\nmatrix = {K}\ndistortions = [0, 0, 0, 0]\n"
+            f"rotation = {log_rotation(Ts[name][:3, :3]).tolist()}\n"
+            f"translation = {Ts[name][:3, 3].tolist()}\n"
+            for name in order
+        ),
+        encoding="utf-8",
+    )
+    words = ["add-film", str(path), str(side), *FROM_THE_SIDE, "--calibration", str(rig)]
+    assert main(words) == code
+    said = capsys.readouterr()
+    if code:
+        assert path.read_bytes() == before
+        assert said.err.startswith("rig.toml")
+        assert said.err.count("\n") == 1
+    else:
+        assert "rig.toml: the films are its cameras a and b." in said.out
 
 
 def test_of_slow_motion_the_rate_is_said(

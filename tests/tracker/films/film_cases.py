@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 
@@ -43,16 +44,24 @@ class TwoFilms:
     clock: FilmClock
 
 
+Motion: TypeAlias = Callable[[Skeleton], Trajectory]
+
+
 @lru_cache(maxsize=8)
-def joints_of(motion: Callable[[Skeleton], Trajectory]) -> Array:
+def joints_of(motion: Motion) -> Array:
     """(N, J, 3) of a motion that is written before a camera."""
     path = motion(SKELETON)
     frames = range(path.first_frame, path.last_frame + 1)
     return np.stack([joints_of_pose(SKELETON, path.pose(frame)) for frame in frames])
 
 
+def one_after_another(*motions: Motion) -> Array:
+    """(N, J, 3) of several motions, as one who does one after another."""
+    return np.concatenate([joints_of(motion) for motion in motions])
+
+
 def two_films(
-    motion: Callable[[Skeleton], Trajectory],
+    motion: Motion | Array,
     turned_deg: float,
     clock: FilmClock,
     *,
@@ -60,10 +69,11 @@ def two_films(
     focal: float = 1.0,
     in_hand: tuple[bool, bool] = (False, False),
 ) -> TwoFilms:
-    """focal: of the other film's lens, as a multiple of the one it is taken to have.  in_hand:
-    whether the first camera, and the other, is held in a hand that follows the body."""
+    """motion: or joints (N, J, 3).  focal: of the other film's lens, as a multiple of the one it is
+    taken to have.  in_hand: whether the first camera, and the other, is held in a hand that follows
+    the body."""
     rng = np.random.default_rng(seed)
-    joints = joints_of(motion)
+    joints = motion if isinstance(motion, np.ndarray) else joints_of(motion)
     middle = np.median(joints.reshape(-1, 3), axis=0)
     R = rotation_from_euler(0.05, np.radians(turned_deg), 0.08)
     T = transform(R, middle - R @ middle + np.array([0.3, 0.1, 0.4]))
@@ -75,6 +85,22 @@ def two_films(
     return TwoFilms(
         _seen(joints, 1.0, rng, first), _seen(there, focal, rng, film), joints, T, clock
     )
+
+
+def sliced(film: Sightings, rows: slice) -> Sightings:
+    """Some frames of what a film shows."""
+    return replace(
+        film, xy=film.xy[rows], visibility=film.visibility[rows], p_hips=film.p_hips[rows]
+    )
+
+
+def joined(*films: Sightings) -> Sightings:
+    """A film that was cut together."""
+    parts = {
+        name: np.concatenate([getattr(film, name) for film in films])
+        for name in ("xy", "visibility", "p_hips")
+    }
+    return replace(films[0], **parts)
 
 
 def _in_hand(count: int) -> CameraPath:

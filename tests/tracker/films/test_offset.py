@@ -12,11 +12,13 @@ from keypose.tracker.films.offset import OffsetSearch, find_offsets
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import rotation_from_euler
-from tests.rendering.motions import crossing, stride, throw
+from tests.rendering.motions import crossing, speech, stride, throw
 from tests.tracker.films.film_cases import (
     BODY,
     TwoFilms,
+    one_after_another,
     places_apart_m,
+    sliced,
     turned_apart_deg,
     two_films,
 )
@@ -155,3 +157,42 @@ def test_a_posed_keyframe_tells_where_the_camera_is_where_the_network_knows_no_d
     camera = find_camera(flat, film, LENGTHS_M, keyed={40: films.joints[40]})
     assert camera is not None
     assert turned_apart_deg(camera.T_camera_first, films.T_film_first) < 6.0
+
+
+LONG = one_after_another(throw, crossing, speech, stride)
+"""19 s at 30 frames a second."""
+
+
+@pytest.mark.parametrize("said", [1.0, 0.5])
+@pytest.mark.parametrize("faster", [1.01, 0.985, 1.004, 0.99])
+def test_a_clock_that_runs_otherwise_than_the_files_say_is_found(
+    said: float, faster: float
+) -> None:
+    films = two_films(LONG, 60.0, FilmClock(5.3, said * faster))
+    search = OffsetSearch(films.first, films.film, 30.0, LENGTHS_M)
+    best = find_offsets(search, said)[0]
+    moments = np.arange(len(LONG))
+    off = np.abs(best.clock.frames_at(moments) - films.clock.frames_at(moments)) / said
+    assert off.max() < 0.6
+    assert best.clock.rate == pytest.approx(said * faster, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("motion", [throw, LONG], ids=["4 s", "19 s"])
+def test_a_clock_that_runs_as_the_files_say_keeps_their_rate(motion: object, seed: int) -> None:
+    films = two_films(motion, 60.0, FilmClock(5.3), seed=seed)  # type: ignore[arg-type]
+    assert found_in(films)[0].clock.rate == 1.0
+
+
+@pytest.mark.parametrize("motions", [(throw, stride), (speech, throw), (stride, speech)])
+def test_a_film_of_another_motion_of_the_same_person_is_refused(motions: tuple) -> None:
+    first, film = (two_films(motion, 60.0, FilmClock()) for motion in motions)
+    assert found_in(replace(first, film=film.film)) == ()
+
+
+def test_films_of_two_parts_of_a_motion_have_no_moment_in_common() -> None:
+    joints = one_after_another(throw, crossing)
+    whole = two_films(joints, 60.0, FilmClock())
+    begins, ends = (sliced(film, rows) for film, rows in
+                    ((whole.first, slice(0, 110)), (whole.film, slice(150, None))))  # fmt: skip
+    assert found_in(replace(whole, first=begins, film=ends)) == ()
