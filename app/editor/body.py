@@ -15,6 +15,8 @@ from keypose.app.editor.documents import (
     keyframe_of,
     require_all_before_camera,
     softened,
+    times_as_far,
+    with_cameras_apart,
     with_keyframes,
     with_poses,
 )
@@ -328,10 +330,18 @@ def require_sizes_to_fit(state: EditorState) -> None:
 
 
 def with_sizes_fitted(
-    state: EditorState, body: Body, camera: Camera, keyposes: Mapping[int, Pose]
+    state: EditorState,
+    body: Body,
+    camera: Camera,
+    keyposes: Mapping[int, Pose],
+    larger: float = 1.0,
+    apart: float = 1.0,
 ) -> EditorState:
     """Take over this body and camera, and the keyframes posed for them; what is posed as it was
     stays to the last digit.
+
+    larger: how many times farther away all that is posed is; apart: and other films' cameras from
+    the first one.
     """
     skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.view.camera.fx
 
@@ -343,8 +353,9 @@ def with_sizes_fitted(
         return softened(keyframe_of(skeleton, pose, keyframe.frame, state.times_s), keyframe.soft)
 
     source = "fitted" if nearer != 1.0 else state.doc.view.lens_source
-    doc = with_poses(state.doc, lambda each: at_new_focal(each, nearer)).changed(
-        {"body": body, "camera": camera, "lens_source": source}
-    )
+    doc = with_poses(
+        state.doc, lambda each: times_as_far(at_new_focal(each, nearer), larger)
+    ).changed({"body": body, "camera": camera, "lens_source": source})
+    doc = with_cameras_apart(doc, apart)
     doc = with_keyframes(doc, map(fitted, state.doc.subject.keyframes))
     return state.with_step(require_all_before_camera(doc, skeleton), "fit the sizes")

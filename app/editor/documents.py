@@ -193,6 +193,27 @@ def at_new_focal(posed: Posed, factor: float) -> Posed:
     return posed.model_copy(update={"root_m": (x, y, z * factor)})
 
 
+def times_as_far(posed: Posed, factor: float) -> Posed:
+    """So many times as far from the camera, as of a body that is so many times larger."""
+    if factor == 1.0:
+        return posed
+    x, y, z = (factor * each for each in posed.root_m)
+    return posed.model_copy(update={"root_m": (x, y, z)})
+
+
+def with_cameras_apart(doc: Session, factor: float) -> Session:
+    """Other films' cameras so many times as far from the first one."""
+    if factor == 1.0:
+        return doc
+    films = tuple(
+        view.model_copy(
+            update={"p_camera_world": tuple(round(factor * p, 6) for p in view.p_camera_world)}
+        )
+        for view in doc.views[1:]
+    )
+    return doc.model_copy(update={"views": (doc.view, *films)})
+
+
 def with_times(doc: Session, times_s: Array) -> Session:
     """Set each pose to its frame's time, which hand-written sessions may not know, and which
     another rate changes.

@@ -1,8 +1,9 @@
-"""Fit the body's sizes to its keyframes' pictures; shown until they are applied or discarded."""
+"""Fit the body's sizes to its keyframes in all films; shown until they are applied or discarded."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from keypose.app.editor.body import require_sizes_to_fit
@@ -11,6 +12,7 @@ from keypose.app.jobs.job import Context
 from keypose.app.state.previews import SizesPreview
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.session import Session
+from keypose.tracker.session.between_views import measured_share
 
 if TYPE_CHECKING:
     from keypose.app.document.open import OpenSession
@@ -40,7 +42,9 @@ class FitSizes(Fit):
         return cls(*sent(opened, edit.doc), action.focal)
 
     def work(self, session: Session, context: Context) -> SizesFitted:
-        from keypose.tracker.fitting.sizes import fit_sizes  # loads what only this needs
+        # loads what only this needs
+        from keypose.tracker.fitting.sizes import fit_sizes
+        from keypose.tracker.operations.films import seen_beside
 
         video = context.cache.video(session, self.video_path)
         skeleton = Skeleton.of(session.subject.body)
@@ -55,6 +59,8 @@ class FitSizes(Fit):
             cancelled=context.cancelled,
             up=session.world.up_world,
             path=session.camera_path,
+            films=seen_beside(session, Path(self.folder)),
+            measured=measured_share(session),
         )
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
@@ -65,6 +71,7 @@ class FitSizes(Fit):
             doc.view.surface,
             doc.subject.keyframes,
             doc.subject.drafts,
+            *doc.views[1:],
         )
 
     def apply(self, sizes_fitted: SizesFitted, state: AppState) -> tuple[AppState, str]:

@@ -73,8 +73,7 @@ class SizesPreview:
 
     def applied_to(self, edit: EditorState) -> EditorState:
         """The new sizes, as one step that can be undone."""
-        proposal = self.proposal
-        return with_sizes_fitted(edit, proposal.body, proposal.camera, proposal.keyposes)
+        return _with(edit, self.proposal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +106,17 @@ def _proposed(edit: EditorState, proposal: Proposal | None) -> Session | None:
     if proposal is None:
         return None
     try:
-        return with_sizes_fitted(edit, proposal.body, proposal.camera, proposal.keyposes).doc
+        return _with(edit, proposal).doc
     except KeyposeError:  # such as a draft that would come to lie behind the camera
         return None
+
+
+def _with(edit: EditorState, proposal: Proposal) -> EditorState:
+    return with_sizes_fitted(
+        edit,
+        proposal.body,
+        proposal.camera,
+        proposal.keyposes,
+        proposal.larger,
+        proposal.apart,
+    )

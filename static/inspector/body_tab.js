@@ -26,7 +26,7 @@ export function sizesPreview() {
   return section(
     'Fit sizes',
     html`
-    ${error(found.error)}
+    ${found.error ? error(found.error) : nothing}
     <div class="newsizes" role="table" aria-label="New sizes in centimetres">
       <div class="row dim head"
         role="row"><span>cm</span><span>Before</span><i></i><span>After</span><span>Change</span></div>
@@ -36,6 +36,7 @@ export function sizesPreview() {
       ${ui.allSizes ? small.map((one) => previewRow(one)) : nothing}
     </div>
     ${small.length ? more(small.length) : nothing}
+    ${found.note ? html`<p class="note">${found.note}</p>` : nothing}
     ${poses(found)}
     ${answer()}`,
     html`<span class="dim num">${basis}</span>`,

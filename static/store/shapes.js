@@ -467,8 +467,9 @@
 /**
  * @typedef {object} SizesPreview  New sizes that wait to be applied or discarded.
  * @property {string} words
+ * @property {string} note  What several films tell; empty with one.
  * @property {number} keyframes
- * @property {Difference} error  Of the body's outline, pixels.
+ * @property {Difference | null} error  Of the body's outline, pixels; null where none is seen.
  * @property {Difference} height  Centimetres.
  * @property {NewSize[]} changes  Centimetres.
  * @property {string[]} unseen  Parts whose sizes the pictures do not determine.

@@ -93,6 +93,24 @@ def _compared(
     skeleton: Skeleton, pose: Pose, where: BodyPoints, index: NDArray[np.int64], film: SeenInFilm
 ) -> Term | None:
     """What a film's keypoints say of a pose; None where they lie on another body."""
+    sigma = sigmas_beside(skeleton, pose, where, index, film)
+    if sigma is None:
+        return None
+    scale, uv = 1 / sigma, film.uv[index]
+    points = PointsInPicture(
+        where, film.camera, np.where((scale > 0)[:, None], uv, 0.0), scale, NEAREST_M, Cauchy()
+    )
+    return TermIn(points, film.T_film_first)
+
+
+def sigmas_beside(
+    skeleton: Skeleton, pose: Pose, where: BodyPoints, index: NDArray[np.int64], film: SeenInFilm
+) -> Array | None:
+    """(M,) of a film's keypoints beside the joints of a pose, pixels, infinite where not seen; None
+    where they lie on another body.
+
+    where: the joints on the body.  index (M,): which of `JOINTS` these are.
+    """
     uv, visibility = film.uv[index], film.visibility[index]
     is_seen = np.isfinite(uv).all(axis=-1) & (visibility > 0)
     there = pose.carried(film.T_film_first)
@@ -105,11 +123,7 @@ def _compared(
         return None
     of_joint = ON_PART_BY_EYE_M * film.camera.fy / there.p_camera_root[2]
     sigma = np.hypot(KEYPOINT_SHARE * height, of_joint) * keypoint_blur(visibility)
-    scale = np.where(is_seen, 1 / sigma, 0.0)
-    points = PointsInPicture(
-        where, film.camera, np.where(is_seen[:, None], uv, 0.0), scale, NEAREST_M, Cauchy()
-    )
-    return TermIn(points, film.T_film_first)
+    return np.where(is_seen, sigma, np.inf)
 
 
 BESIDE: Final = 2 * OTHER_PERSON

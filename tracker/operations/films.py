@@ -125,6 +125,18 @@ def seen_in_films(
     return sights
 
 
+def seen_beside(session: Session, folder: Path) -> dict[int, list[SeenInFilm]]:
+    """What all films but the first show of each keyframe, by its frame; nothing where there are no
+    others.  folder: of the session's file.  KeyposeError where keypoints cannot be read."""
+    keypoints = {
+        view.id: read
+        for view in session.views[1:]
+        if (read := keypoints_of_session(session.alone(view.id), folder)) is not None
+    }
+    frames = [keyframe.frame for keyframe in session.subject.keyframes] if keypoints else []
+    return {frame: seen_in_films(session, keypoints, frame) for frame in frames}
+
+
 def _between(
     session: Session,
     alone: Session,

@@ -32,6 +32,16 @@ def lens_in(session: Session, view: View, frame: int) -> Camera:
     return session.alone(view.id).film_camera.at(inside).without_distortion()
 
 
+def measured_share(session: Session) -> float | None:
+    """How far other films' cameras were measured to be from the first one, as a multiple of how far
+    the session has them; None unless that was measured of all of them."""
+    measured = [view.placed and view.placed.measured_m for view in session.views[1:]]
+    if not measured or not all(measured):
+        return None
+    taken = [float(np.linalg.norm(view.p_camera_world)) for view in session.views[1:]]
+    return sum(each or 0.0 for each in measured) / sum(taken) if all(taken) else None
+
+
 def T_world_camera(session: Session, frames: Array) -> Array:
     """(4, 4) of the first view's camera at a frame (1,), with its fraction, kept within its film;
     the identity where it stands still."""

@@ -66,6 +66,12 @@ class Placed(Plain):
         exclude_if=is_unknown,
         description="The standard deviation of where it is, metres.",
     )
+    measured_m: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="How far it is from the first camera by a calibration in known units, metres: "
+        "the body alone shows distances as multiples of its own size.",
+    )
 
 
 class View(Plain):

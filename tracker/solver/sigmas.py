@@ -187,8 +187,10 @@ LENGTH_SHARE = 0.06
 WIDTH_SHARE = 0.15
 FOCAL_SHARE = 0.2
 DISTANCE_SHARE = 0.05
+APART_SHARE = 0.1
 TRUNK_SHARES = 0.02, 0.04
-"""Of lengths, widths, the focal length and the distance, shares of each, and of length and width of
+"""Of lengths, widths, the focal length, the distance, and how far other films' cameras are away,
+shares of each, and of length and width of
 waist, chest, neck and head, whose proportions differ least; people, and what they wear, differ more
 in girth than in length."""
 FEW_SHARE: Final = 0.015

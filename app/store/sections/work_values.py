@@ -116,8 +116,9 @@ def sizes_preview(app_state: AppState) -> Json:
     poses = preview.found.with_poses
     return {
         "words": preview.found.message,
+        "note": preview.found.note,
         "keyframes": len(preview.before.subject.keyframes),
-        "error": {"before": preview.found.error_px, "after": chosen.error_px},
+        "error": _outline_error(preview.found.error_px, chosen.error_px),
         "height": {"before": before, "after": after},
         "changes": [
             {"part": part_label(part), "what": kind, "pair": _has_sides(preview.before, part)}
@@ -134,6 +135,13 @@ def sizes_preview(app_state: AppState) -> Json:
         "outdated": len(edit.results.fitting(preview.before)),
         "looking_back": preview.looking_back,
     }
+
+
+def _outline_error(before_px: float, after_px: float) -> Json:
+    """None where no picture shows the outline."""
+    if not (math.isfinite(before_px) and math.isfinite(after_px)):
+        return None
+    return {"before": before_px, "after": after_px}
 
 
 def reduction(app_state: AppState) -> Json:

@@ -16,6 +16,7 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.session.schema import Session
 from tests.app.editor.desk import after, desk
+from tests.app.film_beside_cases import with_film
 
 BACK = {"do": "undo"}
 
@@ -93,6 +94,20 @@ def test_a_draft_goes_as_much_farther_away_as_the_fitted_lens_is_longer() -> Non
     done = sized(drafted, focal=1.2)
     (old,), (new,) = drafted.doc.subject.drafts, done.doc.subject.drafts
     assert new.root_m == pytest.approx((old.root_m[0], old.root_m[1], 1.2 * old.root_m[2]))
+
+
+def test_all_that_is_posed_and_the_other_films_cameras_are_as_much_farther_away() -> None:
+    drafted = after(desk(), {"do": "go", "frame": 10}, {"do": "root", "x": 0.3})
+    state = drafted.with_doc(with_film(drafted.doc))
+    poses = {k.frame: k.pose(state.skeleton) for k in state.doc.subject.keyframes}
+    body, camera = state.doc.subject.body, state.doc.view.camera
+    done = with_sizes_fitted(state, body, camera, poses, larger=1.1, apart=0.9)
+    (old,), (new,) = state.doc.subject.drafts, done.doc.subject.drafts
+    assert new.root_m == pytest.approx([1.1 * each for each in old.root_m])
+    before, film = state.doc.views[1], done.doc.views[1]
+    assert film.p_camera_world == pytest.approx([0.9 * p for p in before.p_camera_world], abs=1e-6)
+    assert film.R_camera_world_wxyz == before.R_camera_world_wxyz
+    assert after(done, BACK).doc is state.doc
 
 
 def test_sizes_that_put_a_joint_behind_the_camera_are_refused() -> None:

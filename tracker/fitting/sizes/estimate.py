@@ -27,13 +27,14 @@ FEWEST_POINTS = 40
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Sizes and poses after some rounds, sigmas of the sizes, which of them are observable, and
-    whether the pictures show the contour at all."""
+    """Sizes and poses after some rounds, sigmas of the sizes, which of them are observable, whether
+    the pictures, or other films, show the body at all, and what was fitted to last."""
 
     shared: Shared
     spread: Array
     observable: NDArray[np.bool_]
     enough: bool
+    rows: tuple[Residuals, ...] = ()
 
 
 def estimate(
@@ -49,7 +50,7 @@ def estimate(
     shown_contours = contours(fit, start, looked)
     colour_models = pictures.colour_models(shown_contours, fit)
     shared, observable, enough = start, np.ones(len(fit.free), dtype=np.bool_), False
-    spread = np.zeros(len(fit.free))
+    spread, rows = np.zeros(len(fit.free)), joints
     for number, reach in enumerate(reaches):
         if cancelled():
             return None
@@ -71,9 +72,10 @@ def estimate(
             enough = bool(
                 np.mean([len(residuals.parts) for residuals in contour_residuals.values()])
                 >= FEWEST_POINTS
-            )
-        fit = replace(fit, share=_favour_few(fit, shared)) if fit.free[:-2].all() else fit
-    return Estimate(shared, spread, observable, enough)
+            ) or bool(fit.beside)
+        all_free = fit.free[: fit.proportions.count].all()
+        fit = replace(fit, share=_favour_few(fit, shared)) if all_free else fit
+    return Estimate(shared, spread, observable, enough, tuple(rows))
 
 
 def _favour_few(fit: SharedFit, shared: Shared) -> Array:
@@ -82,4 +84,5 @@ def _favour_few(fit: SharedFit, shared: Shared) -> Array:
     Else all would change a little, and the distance with them, instead of the few.
     """
     share = np.minimum(np.hypot(shared.values, FEW_SHARE), fit.usual)
-    return np.append(share[:-2], fit.usual[-2:])
+    sizes = fit.proportions.count
+    return np.append(share[:sizes], fit.usual[sizes:])

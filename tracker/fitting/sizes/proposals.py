@@ -14,17 +14,19 @@ from functools import cached_property
 import numpy as np
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.body.modify import height, scaled
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.fitting.sizes.beside import error_beside
 from keypose.tracker.fitting.sizes.contours import ColourModels, offsets
 from keypose.tracker.fitting.sizes.estimate import estimate
-from keypose.tracker.fitting.sizes.messages import SizesFound, size_changes
+from keypose.tracker.fitting.sizes.messages import SizesFound, fitted_height, size_changes
 from keypose.tracker.fitting.sizes.residuals import Pictures, contours
 from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, log_rotation, rotation_between
-from keypose.tracker.solver.sigmas import PROPOSED_RAD, STIFF_RAD
+from keypose.tracker.solver.sigmas import CONTOUR_PX, PROPOSED_RAD, STIFF_RAD
 
 UP_CAMERA = (0.0, -1.0, 0.0)
 REACH_PX = 9.0
@@ -44,7 +46,8 @@ class Proposal:
     """A body, a camera and keyposes that agree better with the pictures.
 
     changes: (part, what, before, after), centimetres.  error_px: of the outline, then.
-    turns: by frame, (part, degrees) of every part that is turned.
+    turns: by frame, (part, degrees) of every part that is turned.  larger: how many times farther
+    away all of it is; apart: and other films' cameras from the first.
     """
 
     body: Body
@@ -53,6 +56,8 @@ class Proposal:
     changes: tuple[tuple[str, str, float, float], ...]
     error_px: float
     turns: Mapping[int, tuple[tuple[str, float], ...]]
+    larger: float = 1.0
+    apart: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +83,11 @@ class KeyframePictures:
     def error_before(self) -> float:
         return self._error(self.as_posed)
 
+    @property
+    def _focal(self) -> int:
+        """Where the focal length is among what is shared."""
+        return self.fit.proportions.count
+
     @cached_property
     def _colours(self) -> ColourModels:
         return self.pictures.colour_models(contours(self.fit, self.as_posed, self.looked), self.fit)
@@ -85,17 +95,19 @@ class KeyframePictures:
     def alone(self, sizes_found: SizesFound) -> Proposal | None:
         """The sizes fitted again with every pose as it was set."""
         free = sizes_found.changed.copy()
-        free[-2:] = False
+        free[self._focal :] = False
         fit = replace(self.fit, free=free, poses_free=False, trunk_rad=STIFF_RAD)
         focal = np.zeros(len(free))
-        focal[-2] = sizes_found.shared.values[-2] * sizes_found.changed[-2]
+        focal[self._focal] = (sizes_found.shared.values * sizes_found.changed)[self._focal]
         start = fit.with_step(self.as_posed, focal)
         again = estimate(fit, start, self.pictures, self.looked, ROUNDS_PX, self.cancelled)
         if again is None:
             return None
         low, high = (pick(sizes_found.shared.values, 0.0) for pick in (np.minimum, np.maximum))
         values = np.clip(again.shared.values, low, high)  # not away from those found with poses
-        return self._proposal(sizes_found, replace(again.shared, values=values))
+        values[self._focal + 2 :] = 0.0  # where a film's camera is follows from poses
+        shared = replace(again.shared, values=values)
+        return self._if_better(self._proposal(sizes_found, shared), shared)
 
     def with_poses(
         self, sizes_found: SizesFound, Ts_world_camera: Array, up: Sequence[float]
@@ -115,8 +127,18 @@ class KeyframePictures:
         for share in LESS:
             poses = [_between(s, p, share) for s, p in zip(start.poses, posed, strict=True)]
             if _floating(body, poses, Ts_world_camera, up) <= before + FLOATING_M:
-                return self._proposal(sizes_found, Shared(sizes_found.shared.values, tuple(poses)))
+                shared = Shared(sizes_found.shared.values, tuple(poses))
+                better = self._if_better(self._proposal(sizes_found, shared), shared)
+                return better and _as_large(better, sizes_found)
         return None
+
+    def larger(self, sizes_found: SizesFound) -> Proposal | None:
+        """The same proportions as large as a measured distance of cameras shows; None where it
+        shows nothing else."""
+        if not sizes_found.changed[self._focal + 2 :].any():
+            return None
+        found = replace(sizes_found, changed=np.zeros_like(sizes_found.changed))
+        return _as_large(self._proposal(found, self.as_posed), sizes_found)
 
     def _as_set(self, pose: Pose, start: Pose) -> Pose:
         """Put back the trunk's turns to the last digit as they were set."""
@@ -125,25 +147,34 @@ class KeyframePictures:
             np.where(is_trunk, start.Rs_parent_part, pose.Rs_parent_part), pose.p_camera_root
         )
 
-    def _proposal(self, sizes_found: SizesFound, shared: Shared) -> Proposal | None:
-        error = self._error(shared)
-        if not error < BETTER * self.error_before:
-            return None
+    def _proposal(self, sizes_found: SizesFound, shared: Shared) -> Proposal:
         posed = replace(sizes_found, shared=shared)
         turns = {
             frame: frame_turns
             for frame, before, after in zip(self.frames, self.fit.posed, shared.poses, strict=True)
             if (frame_turns := self._turns(before, after))
         }
-        camera = shared.focus(self.camera) if sizes_found.changed[-2] else self.camera
+        camera = shared.focus(self.camera) if sizes_found.changed[self._focal] else self.camera
         return Proposal(
             self.fit.proportions.body_at(shared.sizes),
             camera,
             dict(zip(self.frames, shared.poses, strict=True)),
             size_changes(posed),
-            error,
+            self._error(shared),
             turns,
         )
+
+    def _if_better(self, proposal: Proposal, shared: Shared) -> Proposal | None:
+        """None unless it agrees better than what was posed."""
+        error, before = proposal.error_px, self.error_before
+        if self.fit.beside:
+            error, before = self._missed(error, shared), self._missed(before, self.as_posed)
+        return proposal if error < BETTER * before else None
+
+    def _missed(self, outline_px: float, shared: Shared) -> float:
+        """By how many sigmas the outline and the joints in other films are missed."""
+        outline = outline_px / (self.scale * CONTOUR_PX) if np.isfinite(outline_px) else 0.0
+        return float(np.hypot(outline, error_beside(self.fit, shared)))
 
     def _turns(self, before: Pose, after: Pose) -> tuple[tuple[str, float], ...]:
         turn = log_rotation(np.swapaxes(before.Rs_parent_part, -1, -2) @ after.Rs_parent_part)
@@ -163,6 +194,26 @@ class KeyframePictures:
         )
         known_away = away[np.isfinite(away)]
         return self.scale * float(np.sqrt((known_away**2).mean())) if known_away.size else np.inf
+
+
+def _as_large(proposal: Proposal, sizes_found: SizesFound) -> Proposal:
+    """All of it as large as other films tell, which the first one shows as before."""
+    beside = sizes_found.beside
+    if beside is None:
+        return proposal
+    apart = beside.larger * sizes_found.shared.apart
+    if beside.sigma_share is None:
+        return replace(proposal, apart=apart)
+    larger = beside.larger * fitted_height(sizes_found) / height(proposal.body)
+    poses = {
+        frame: Pose(pose.Rs_parent_part, larger * pose.p_camera_root)
+        for frame, pose in proposal.keyposes.items()
+    }
+    changes = tuple(
+        (part, what, before, larger * after) for part, what, before, after in proposal.changes
+    )
+    body = scaled(proposal.body, larger)
+    return replace(proposal, body=body, keyposes=poses, changes=changes, larger=larger, apart=apart)
 
 
 def _floating(

@@ -2,6 +2,10 @@
 
 Each pose has its own unknowns; the sizes, the focal length and how far away all of them are belong
 to all. A longer lens shows the body as large from farther away, so distances grow along with it.
+
+Other films of the same poses are compared with where their keypoints are. How far their cameras
+stand from the first one's is unknown too, as a multiple of what it was taken to be: bodies, places
+and distances between cameras that are all larger by one share look the same in every film.
 """
 
 from __future__ import annotations
@@ -66,10 +70,41 @@ class Residuals:
 
 
 @dataclass(frozen=True, eq=False)
+class FilmOfPose:
+    """Another film than the first as it took the moment of a pose.
+
+    camera: without distortion.  T_film_first (4, 4): from the first camera's frame to this one's.
+    """
+
+    camera: Camera
+    T_film_first: Array
+
+    def carried(self, p: Array, apart: float) -> Array:
+        """Points (M, 3) of the first camera's frame before a camera that is so much farther off."""
+        R, t = self.T_film_first[:3, :3], self.T_film_first[:3, 3]
+        return np.asarray(p @ R.T + apart * t)
+
+
+@dataclass(frozen=True, eq=False)
+class SeenBeside:
+    """What another film shows of one pose."""
+
+    film: FilmOfPose
+    residuals: Residuals
+
+
+def size_count(values: Array | NDArray[np.bool_]) -> int:
+    """How many of what is shared are sizes, which come in pairs; the focal length, the distance
+    and, where there are other films, how far their cameras are away follow."""
+    return 2 * ((len(values) - 2) // 2)
+
+
+@dataclass(frozen=True, eq=False)
 class Shared:
     """What K pictures share, and a pose for each of them.
 
-    values (S + 2,): logarithms of ratios: the sizes, the focal length, the distance of all poses.
+    values (S + 2,): logarithms of ratios: the sizes, the focal length, the distance of all poses;
+    (S + 3,) with other films, whose cameras' distance from the first one is the last.
     """
 
     values: Array
@@ -78,17 +113,22 @@ class Shared:
     @property
     def sizes(self) -> Array:
         """(S,)"""
-        return self.values[:-2]
+        return self.values[: size_count(self.values)]
+
+    @property
+    def apart(self) -> float:
+        """How far other films' cameras are from the first one, as a multiple of what was taken."""
+        return float(np.exp(self.values[size_count(self.values) + 2 :].sum()))
 
     @property
     def nearer(self) -> Array:
         """(3,) by which the root's place is multiplied: a longer lens stretches depth alone."""
-        focal, distance = self.values[-2:]
+        focal, distance = self.values[size_count(self.values) :][:2]
         return np.exp([distance, distance, distance + focal])
 
     def focus(self, camera: Camera, zoom: float = 1.0) -> Camera:
         """A camera with the focal length found, zoomed."""
-        return camera.zoomed(zoom * float(np.exp(self.values[-2])))
+        return camera.zoomed(zoom * float(np.exp(self.values[size_count(self.values)])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +139,7 @@ class SharedFit:
     share (S + 2,): and here. poses_free: whether poses may change besides what is shared.
     turns_rad, trunk_rad (3,): sigmas of the turns of limbs and of the trunk.
     zoom (K,): each picture's focal length as a multiple of the camera's.
+    beside: what other films show of each pose; none where there are none, and S + 2 is S + 3 else.
     """
 
     proportions: Proportions
@@ -112,6 +153,11 @@ class SharedFit:
     poses_free: bool = True
     turns_rad: tuple[float, ...] = TURNS_RAD
     trunk_rad: tuple[float, ...] = TRUNK_RAD
+    beside: tuple[tuple[SeenBeside, ...], ...] = ()
+
+    def seen_beside(self, k: int) -> tuple[SeenBeside, ...]:
+        """What other films show of pose k."""
+        return self.beside[k] if self.beside else ()
 
     @property
     def precision(self) -> Array:
@@ -120,7 +166,7 @@ class SharedFit:
         A larger body farther away looks the same, so that what was set as its height stays.
         """
         lengths = np.zeros(len(self.free))
-        lengths[:-2:2] = 1 / len(self.proportions.groups)
+        lengths[: self.proportions.count : 2] = 1 / len(self.proportions.groups)
         return np.diag(self.share**-2.0) + np.outer(lengths, lengths) / HEIGHT_SHARE**2
 
     def lens(self, shared: Shared, k: int) -> Camera:
@@ -138,9 +184,14 @@ class SharedFit:
         points = residuals.points * self.proportions.ratios(shared.sizes)[residuals.parts]
         return points_on_parts(self.transforms(shared, k), residuals.parts, points)
 
-    def pixels(self, shared: Shared, k: int, residuals: Residuals) -> Array:
-        """(M, 2) where the points of the rows are seen."""
-        return self.lens(shared, k).project(self.camera_points(shared, k, residuals))
+    def pixels(
+        self, shared: Shared, k: int, residuals: Residuals, film: FilmOfPose | None = None
+    ) -> Array:
+        """(M, 2) where the points of the rows are seen; film: another than the first."""
+        p = self.camera_points(shared, k, residuals)
+        if film is None:
+            return self.lens(shared, k).project(p)
+        return film.camera.project(film.carried(p, shared.apart))
 
     def with_step(self, shared: Shared, step: Array) -> Shared:
         """The shared values changed by a step (S + 2,), and where the poses are along with it."""
@@ -164,6 +215,12 @@ def solve(fit: SharedFit, start: Shared, rows: Sequence[Residuals], steps: int) 
     last = solution.solved
     spread = np.zeros(len(start.values)) if last is None else last.spread(solution.damping)
     return Solved(solution.state, spread)
+
+
+def covariance(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> Array:
+    """(S + 3, S + 3) of what is shared, were all of it free, with its usual sigmas."""
+    whole = replace(fit, free=np.ones_like(fit.free), share=fit.usual)
+    return _Iterate(whole, shared, rows).covariance(0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,8 +263,12 @@ class _Iterate:
 
     def spread(self, damping: float) -> Array:
         """(S + 2,) sigmas of what is shared."""
+        return np.sqrt(np.maximum(np.diag(self.covariance(damping)), 0.0))
+
+    def covariance(self, damping: float) -> Array:
+        """(S + 2, S + 2) of what is shared."""
         A, _, _ = _marginalise_poses(self.fit, self.shared, self._normal_blocks, damping)
-        return np.sqrt(np.maximum(np.diag(np.linalg.inv(A)), 0.0))
+        return np.asarray(np.linalg.inv(A))
 
 
 def _take_step(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> Shared:
@@ -220,20 +281,30 @@ def _take_step(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> S
 
 def _normal_block(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
     """(D + S + 3, D + S + 3) JᵀJ of one picture over its pose, what is shared, the residual."""
-    dofs, sizes = fit.proportions.skeleton.dof_count, len(fit.free)
+    dofs = fit.proportions.skeleton.dof_count
     prior = total_equations(_prior_terms(fit, shared, k), _posed_body(fit, shared, k))
-    there = fit.pixels(shared, k, residuals)
+    block = _block_of(fit, shared, k, residuals)
+    block[:dofs, :dofs] += prior.A
+    block[:dofs, -1] += prior.b
+    for seen in fit.seen_beside(k):
+        block += _block_of(fit, shared, k, seen.residuals, seen.film)
+    return block
+
+
+def _block_of(
+    fit: SharedFit, shared: Shared, k: int, residuals: Residuals, film: FilmOfPose | None = None
+) -> Array:
+    """The same of the rows in one film alone."""
+    dofs, sizes = fit.proportions.skeleton.dof_count, len(fit.free)
+    there = fit.pixels(shared, k, residuals, film)
     away = (residuals.along(there) - residuals.target) / residuals.sigma_px
     weight = np.sqrt(KERNEL.weight(away))
     J = np.zeros((len(away), dofs + sizes + 1))
-    J[:, :dofs] = _pose_jacobian(fit, shared, k, residuals)
-    J[:, dofs:-1] = _size_jacobian(fit, shared, k, residuals, there)
+    J[:, :dofs] = _pose_jacobian(fit, shared, k, residuals, film)
+    J[:, dofs:-1] = _size_jacobian(fit, shared, k, residuals, there, film)
     J[:, :-1] *= (weight / residuals.sigma_px)[:, None]
     J[:, -1] = away * weight
-    block = _products(J)
-    block[:dofs, :dofs] += prior.A
-    block[:dofs, -1] += prior.b
-    return block
+    return _products(J)
 
 
 def _products(J: Array) -> Array:
@@ -281,30 +352,50 @@ def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> float:
         away = (
             residuals.along(fit.pixels(shared, k, residuals)) - residuals.target
         ) / residuals.sigma_px
-        if not np.isfinite(away).all():
+        beside = [away_beside(fit, shared, k, seen) for seen in fit.seen_beside(k)]
+        if not all(np.isfinite(each).all() for each in (away, *beside)):
             return np.inf
         total += 2 * prior + KERNEL.loss(away).sum()
+        total += sum(KERNEL.loss(each).sum() for each in beside)
     return 0.5 * float(total)
 
 
-def _pose_jacobian(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
+def away_beside(fit: SharedFit, shared: Shared, k: int, seen: SeenBeside) -> Array:
+    """(M,) by how many sigmas pose k misses what another film shows."""
+    rows = seen.residuals
+    there = fit.pixels(shared, k, rows, seen.film)
+    return np.asarray((rows.along(there) - rows.target) / rows.sigma_px)
+
+
+def _pose_jacobian(
+    fit: SharedFit, shared: Shared, k: int, residuals: Residuals, film: FilmOfPose | None = None
+) -> Array:
     """(M, D) how the rows change with small motions of the pose."""
     pose, skeleton = shared.poses[k], fit.proportions.skeleton_at(shared.sizes)
     p = fit.camera_points(shared, k, residuals)
     J = Posed.of(skeleton, pose).point_jacobian(residuals.parts, p)
-    uv = image_jacobian(fit.lens(shared, k), p, J)
+    if film is None:
+        uv = image_jacobian(fit.lens(shared, k), p, J)
+    else:
+        R = film.T_film_first[:3, :3]
+        uv = image_jacobian(film.camera, film.carried(p, shared.apart), np.asarray(J @ R.T))
     return np.asarray(np.einsum("mdc,mc->md", uv, residuals.normals))
 
 
 def _size_jacobian(
-    fit: SharedFit, shared: Shared, k: int, residuals: Residuals, there: Array
+    fit: SharedFit,
+    shared: Shared,
+    k: int,
+    residuals: Residuals,
+    there: Array,
+    film: FilmOfPose | None = None,
 ) -> Array:
     """(M, S + 2) how they change with what is shared, by small differences."""
     slopes = np.zeros((len(residuals.parts), len(fit.free)))
     for s in np.flatnonzero(fit.free):
         step = np.zeros(len(fit.free))
         step[s] = SMALL
-        beside = fit.pixels(fit.with_step(shared, step), k, residuals)
+        beside = fit.pixels(fit.with_step(shared, step), k, residuals, film)
         slopes[:, s] = residuals.along(beside - there) / SMALL
     return slopes
 

@@ -7,7 +7,10 @@ lie where the pictures show them, joints stay about where they were posed, and s
 were unless the pictures contradict.
 
 Arrays (S + 2,) are as `Shared.values`: logarithms of ratios, S sizes (of each group of parts the
-length, then the width), then the focal length, then the distance.
+length, then the width), then the focal length, then the distance; and where other films show the
+keyframes, how far their cameras are away. One film shows a limb that is turned to it as short as a
+short one; several tell them apart. How large everything is they tell where it was measured how far
+their cameras are apart.
 """
 
 from __future__ import annotations
@@ -21,19 +24,30 @@ from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.joint_limits import Limits
+from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import SessionError
+from keypose.tracker.films.mend import SeenInFilm
+from keypose.tracker.fitting.sizes.beside import seen_beside
 from keypose.tracker.fitting.sizes.estimate import Estimate, estimate
-from keypose.tracker.fitting.sizes.messages import NO_GAIN, SizesFound, describe_sizes, unseen_parts
+from keypose.tracker.fitting.sizes.messages import (
+    NO_GAIN,
+    FoundBeside,
+    SizesFound,
+    describe_sizes,
+    films_note,
+    unseen_parts,
+)
 from keypose.tracker.fitting.sizes.proportions import Proportions
 from keypose.tracker.fitting.sizes.proposals import UP_CAMERA, KeyframePictures, Proposal
 from keypose.tracker.fitting.sizes.residuals import Pictures
-from keypose.tracker.fitting.sizes.shared import Shared, SharedFit
+from keypose.tracker.fitting.sizes.shared import Shared, SharedFit, covariance, size_count
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.settings import IgnoreMask
 from keypose.tracker.solver.sigmas import (
+    APART_SHARE,
     DISTANCE_SHARE,
     FOCAL_SHARE,
     LENGTH_SHARE,
@@ -66,6 +80,12 @@ PLAUSIBLE_FOCAL = 0.3
 """The same of the focal length, 35 %."""
 LEAST_FOCAL = 0.02
 """The logarithm of the least ratio by which the focal length is changed."""
+LEAST_LARGER = 0.005
+"""The same of how large everything is."""
+OWN_SIGMA = 2.0
+"""By how much errors are larger than the equations say: a detector's own places of joints are aside
+alike in all frames."""
+HEIGHT_STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +95,8 @@ class SizesFitted:
     message: for a person.  error_px: of the body's outline as it is, pixels of the video.
     alone: other sizes, every pose as it was set; None where these fit no better.
     with_poses: other sizes, limbs posed anew for them; None where these fit no better either.
-    unseen: parts whose sizes the pictures do not determine.
+    unseen: parts whose sizes the pictures do not determine.  note: what other films told; empty
+    without any.
     """
 
     message: str
@@ -83,6 +104,7 @@ class SizesFitted:
     alone: Proposal | None = None
     with_poses: Proposal | None = None
     unseen: tuple[str, ...] = ()
+    note: str = ""
 
 
 def fit_sizes(
@@ -95,12 +117,16 @@ def fit_sizes(
     cancelled: Callable[[], bool] = never,
     up: Sequence[float] | None = None,
     path: CameraPath | None = None,
+    films: Mapping[int, Sequence[SeenInFilm]] | None = None,
+    measured: float | None = None,
 ) -> SizesFitted:
     """Sizes at which the body, posed at several keyframes, fits all of the pictures.
 
     up (3,): in the world, −y where left out; along it the feet must not float more than before.
-    path: of the camera over the film; None where it is the world. SessionError with fewer than two
-    keyframes. Sizes that cannot be observed stay.
+    path: of the camera over the film; None where it is the world. films: by keyframe what others
+    show of it. measured: how far their cameras are from the first one, as a multiple of how far
+    they are taken to be; None where nobody measured it, and the height stays. SessionError with
+    fewer than two keyframes. Sizes that cannot be observed stay.
     """
     if len(keyposes) < 2:
         raise SessionError("Sizes are fitted to two keyframes or more: pose a second one first.")
@@ -114,22 +140,36 @@ def fit_sizes(
     fit = _set_up(
         body, size.camera(camera), [keyposes[frame] for frame in frames], path.zoom, focal
     )
-    sizes_found = _find_sizes(fit, pictures, looked.tolist(), focal, cancelled)
+    if films:
+        fit = _with_films(fit, [films.get(frame, ()) for frame in frames])
+    sizes_found = _find_sizes(fit, pictures, looked.tolist(), focal, measured, cancelled)
     if sizes_found is None:
         return SizesFitted("Fitting was cancelled.")
+    beside = sizes_found.beside
+    if beside is not None and _is_larger(beside):
+        sizes_found.changed[-1] = True
+    note = films_note(sizes_found)
     if not sizes_found.changed.any():
-        return SizesFitted(describe_sizes(sizes_found), unseen=unseen_parts(sizes_found))
+        message = f"{describe_sizes(sizes_found)} {note}".rstrip()
+        return SizesFitted(message, unseen=unseen_parts(sizes_found), note=note)
     look = KeyframePictures(
         fit, camera, pictures, looked.tolist(), frames, 2.0**size.halvings, cancelled
     )
     alone = look.alone(sizes_found)
     with_poses = look.with_poses(sizes_found, path.Ts_world_camera, up or UP_CAMERA)
+    with_poses = with_poses or look.larger(sizes_found)
     if cancelled():
         return SizesFitted("Fitting was cancelled.")
     if alone is None and with_poses is None:
-        return SizesFitted(NO_GAIN, unseen=unseen_parts(sizes_found))
+        message = f"{NO_GAIN} {note}".rstrip()
+        return SizesFitted(message, unseen=unseen_parts(sizes_found), note=note)
     return SizesFitted(
-        describe_sizes(sizes_found), look.error_before, alone, with_poses, unseen_parts(sizes_found)
+        describe_sizes(sizes_found),
+        look.error_before,
+        alone,
+        with_poses,
+        unseen_parts(sizes_found),
+        note,
     )
 
 
@@ -149,11 +189,21 @@ def _set_up(
     )
 
 
+def _with_films(fit: SharedFit, films: Sequence[Sequence[SeenInFilm]]) -> SharedFit:
+    """The same with what other films show of each pose; as it is where they show none of them."""
+    beside = seen_beside(fit.proportions, fit.posed, films)
+    if not beside:
+        return fit
+    share = np.append(fit.share, APART_SHARE)
+    return replace(fit, free=np.append(fit.free, True), usual=share, share=share, beside=beside)
+
+
 def _find_sizes(
     fit: SharedFit,
     pictures: Pictures,
     looked: list[int],
     focal: bool,
+    measured: float | None,
     cancelled: Callable[[], bool],
 ) -> SizesFound | None:
     """All sizes first, then again and again those alone that turn out to change."""
@@ -161,11 +211,12 @@ def _find_sizes(
     first = estimate(fit, start_values, pictures, looked, FIRST_PX, cancelled)
     if first is None:
         return None
+    sizes = fit.proportions.count
     changed, last = fit.free & _is_changed(fit, first), first
     changed &= first.enough
     implausible = np.zeros_like(changed)
     while changed.any():
-        free = np.append(changed[:-1], fit.free[-1])
+        free = np.append(changed[: sizes + 1], fit.free[sizes + 1 :])
         step = np.where(free, 0.0, -last.shared.values)  # sizes that are held are the body's again
         chosen = replace(fit, free=free, share=PRIOR_WIDER_WHERE_OFF * fit.usual)
         start = chosen.with_step(last.shared, step)
@@ -189,13 +240,46 @@ def _find_sizes(
         first.enough,
         focal,
         telephoto,
+        _beside(fit, last, None if implausible[:sizes:2].any() else measured)
+        if fit.beside
+        else None,
     )
+
+
+def _beside(fit: SharedFit, last: Estimate, measured: float | None) -> FoundBeside:
+    """What other films tell besides the sizes."""
+    count = 1 + max(len(seen) for seen in fit.beside)
+    if measured is None:
+        return FoundBeside(count)
+    shared, sizes = last.shared, fit.proportions.count
+    slopes = np.zeros(len(fit.free))
+    for s in range(sizes):
+        step = np.zeros(sizes)
+        step[s] = HEIGHT_STEP
+        slopes[s] = _log_height(fit, shared.sizes + step) - _log_height(fit, shared.sizes)
+    slopes /= HEIGHT_STEP
+    slopes[-1] = -1.0  # farther cameras, as seen from that body, are a smaller body
+    variance = slopes @ covariance(fit, shared, last.rows) @ slopes
+    return FoundBeside(count, measured / shared.apart, OWN_SIGMA * float(np.sqrt(variance)))
+
+
+def _log_height(fit: SharedFit, sizes: Array) -> float:
+    return float(np.log(height(fit.proportions.body_at(sizes))))
+
+
+def _is_larger(beside: FoundBeside) -> bool:
+    """Whether a measured distance of cameras shows all of the body larger or smaller."""
+    sigma = beside.sigma_share or 0.0
+    return bool(abs(np.log(beside.larger)) > max(LEAST_LARGER, SURE * sigma))
 
 
 def _is_least_likely(changed: NDArray[np.bool_], estimated: Estimate) -> NDArray[np.bool_]:
     """(S + 2,) the one value furthest beyond what is plausible; none where none is."""
     change = np.abs(estimated.shared.values) * changed
-    most = np.append(np.tile(PLAUSIBLE, (len(change) - 2) // 2), (PLAUSIBLE_FOCAL, np.inf))
+    sizes = size_count(change)
+    rest = np.full(len(change) - sizes, np.inf)
+    rest[0] = PLAUSIBLE_FOCAL
+    most = np.append(np.tile(PLAUSIBLE, sizes // 2), rest)
     beyond = change / most
     return np.asarray((beyond > 1) & (beyond == beyond.max()))
 
@@ -210,4 +294,20 @@ def _is_changed(fit: SharedFit, estimated: Estimate) -> NDArray[np.bool_]:
     )
     enough = moved_px > np.tile(LEAST_PX, len(fit.proportions.groups))
     surely = np.abs(change) > SURE * estimated.spread
-    return np.asarray(surely & np.append(enough, (abs(change[-2]) > LEAST_FOCAL, False)))
+    sizes = size_count(change)
+    rest = np.zeros(len(change) - sizes, np.bool_)
+    rest[0] = abs(change[sizes]) > LEAST_FOCAL
+    changed = surely & np.append(enough, rest)
+    if fit.beside and (surely & _of_limbs(fit)).any():
+        changed |= _of_limbs(fit) & estimated.observable
+    return np.asarray(changed)
+
+
+def _of_limbs(fit: SharedFit) -> NDArray[np.bool_]:
+    """(S + 3,) the lengths of limbs. Where another film shows a limb's length, each is nearer as it
+    is estimated, sure or not, once one of them is surely another."""
+    is_limb = np.zeros(len(fit.free), np.bool_)
+    is_limb[: fit.proportions.count : 2] = [
+        not fit.proportions.is_trunk[group[0]] for group in fit.proportions.groups
+    ]
+    return is_limb
