@@ -12,17 +12,25 @@ from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.operations.track import keyed_parts
+from keypose.tracker.session.between_views import T_film_first
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.pins import Pin, sole_of
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
 from keypose.tracker.space.findings import MotionInSpace, space_findings
-from keypose.tracker.space.harm import Compared, harm_findings
+from keypose.tracker.space.harm import Compared, InPicture, harm_findings
 from keypose.tracker.space.pinned import PinnedPoint
 from keypose.tracker.space.repeated import Moments
 from keypose.tracker.space.result import SpaceResult
-from keypose.tracker.space.solve import SpaceProblem, SpaceSolution, heights_px, solve_space
+from keypose.tracker.space.solve import (
+    FilmInSpace,
+    SpaceProblem,
+    SpaceSolution,
+    heights_before,
+    heights_px,
+    solve_space,
+)
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.stretches import SegmentRun, keyframes_within
 
@@ -68,8 +76,20 @@ def asked(session: Session, stretch: SegmentRun) -> Asked:
         up_world=session.world.up,
         floor_m=session.world.floor_m,
         path=path,
+        films=films_in_space(session, first, last),
     )
     return Asked(problem, tuple(held), moments)
+
+
+def films_in_space(session: Session, first: int, last: int) -> tuple[FilmInSpace, ...]:
+    """The films of a session but the first, over frames of that."""
+    frames, films = np.arange(first, last + 1), []
+    for view in session.views[1:]:
+        own = view.film_clock.frames_at(frames)
+        shows = (own >= 0) & (own <= view.video.frame_count - 1)
+        Ts = np.stack([T_film_first(session, view, frame) for frame in frames.tolist()])
+        films.append(FilmInSpace(view.camera.without_distortion(), Ts, shows))
+    return tuple(films)
 
 
 def solved(
@@ -114,10 +134,15 @@ def solved(
 
 def compared(problem: SpaceProblem, space_solution: SpaceSolution) -> Compared:
     """What was solved for beside what was tracked."""
-    heights = heights_px(problem, problem.skeleton)
-    return Compared(
-        problem.skeleton, problem.camera, problem.motion, space_solution.motion, heights
-    )
+    skeleton, before, after = problem.skeleton, problem.motion, space_solution.motion
+    films = []
+    for film in problem.films:
+        shows, Ts = film.carried(skeleton, before)
+        seen, seen_after = before.carried(Ts), after.carried(Ts)
+        heights = heights_before(skeleton, film.camera, seen)
+        films.append(InPicture(skeleton, film.camera, seen, seen_after, heights, shows))
+    heights = heights_px(problem, skeleton)
+    return Compared(skeleton, problem.camera, before, after, heights, films=films)
 
 
 def stances(session: Session, motion: Trajectory, up_world: Array | None) -> tuple[Pin, ...]:

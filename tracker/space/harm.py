@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
@@ -37,7 +38,8 @@ USUAL: Final = 0.9
 class Harm:
     """What a pin does to a motion: a joint is seen elsewhere, or a knee is bent otherwise.
 
-    amount: pixels, or radians, of all but a tenth of its frames.  share: of what is allowed.
+    amount: pixels of the film that it contradicts most, or radians, of all but a tenth of its
+    frames.  share: of what is allowed.
     part, frame: where it is most.
     """
 
@@ -60,10 +62,11 @@ class Harm:
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
-    """A motion as tracked, and as it was solved for, camera frame.
+class InPicture:
+    """A motion as tracked, and as it was solved for, before a film's camera.
 
-    heights_px (N,): of the body in the picture.
+    heights_px (N,): of the body in the picture.  shows (N,): whether the film shows it; None where
+    it does throughout.
     """
 
     skeleton: Skeleton
@@ -71,6 +74,7 @@ class Compared:
     tracked: Trajectory
     solved: Trajectory
     heights_px: Array
+    shows: NDArray[np.bool_] | None = None
 
     @cached_property
     def most_px(self) -> Array:
@@ -84,7 +88,16 @@ class Compared:
             image_points(self.camera, motion.transforms(self.skeleton)[..., :3, 3])
             for motion in (self.tracked, self.solved)
         ]
-        return np.asarray(np.linalg.norm(uv[1] - uv[0], axis=-1))
+        moved = np.linalg.norm(uv[1] - uv[0], axis=-1)
+        return np.asarray(moved if self.shows is None else moved * self.shows[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class Compared(InPicture):
+    """The same in several films.  films: those besides the first, in whose camera's frame the
+    motions are."""
+
+    films: Sequence[InPicture] = ()
 
     @cached_property
     def bent_rad(self) -> Array:
@@ -117,26 +130,40 @@ def _of_pin(compared: Compared, pin: Pin) -> Iterator[Harm]:
     skeleton, first = compared.skeleton, compared.tracked.first_frame
     rows = slice(pin.first_frame - first, pin.last_frame + 1 - first)
     limb = _limb(skeleton, skeleton.body.index(pin.part))
-    shares = compared.moved_px[rows] / compared.most_px[rows, None]
-    yield _worst(compared, pin, "picture", shares[:, limb], limb)
+    seen = [
+        _worst(compared, pin, "picture", of[rows][:, limb], limb, most_px)
+        for of, most_px in _shares(compared)
+    ]
+    yield max(seen, key=lambda harm: harm.share)  # in the film that contradicts it most
     knees = [part for part in limb if skeleton.body.names[part] in KNEES]
     if knees:
         bent = compared.bent_rad[rows] / MOST_BENT_RAD
-        yield _worst(compared, pin, "knee", bent[:, knees], knees)
+        most = np.full(len(compared.tracked), MOST_BENT_RAD)
+        yield _worst(compared, pin, "knee", bent[:, knees], knees, most)
+
+
+def _shares(compared: Compared) -> Iterator[tuple[Array, Array]]:
+    """(N, P) of what joints may be seen elsewhere by, and (N,) that, in every film."""
+    for picture in (compared, *compared.films):
+        yield picture.moved_px / picture.most_px[:, None], picture.most_px
 
 
 def _worst(
-    compared: Compared, pin: Pin, kind: HarmKind, shares: Array, parts: Sequence[int]
+    compared: Compared,
+    pin: Pin,
+    kind: HarmKind,
+    shares: Array,
+    parts: Sequence[int],
+    most: Array,
 ) -> Harm:
-    """shares (n, K): of what is allowed, at a pin's frames."""
+    """shares (n, K): of what is allowed, most (N,), at a pin's frames."""
     usual = np.quantile(shares, USUAL, axis=0)
     k = int(usual.argmax())
     row = int(shares[:, k].argmax())
     at = pin.first_frame - compared.tracked.first_frame + row
-    unit = MOST_BENT_RAD if kind == "knee" else float(compared.most_px[at])
     name = compared.skeleton.body.names[parts[k]]
     share = float(usual[k])
-    return Harm(pin, kind, share * unit, share, name, pin.first_frame + row)
+    return Harm(pin, kind, share * float(most[at]), share, name, pin.first_frame + row)
 
 
 def _limb(skeleton: Skeleton, part: int) -> list[int]:

@@ -10,7 +10,8 @@ of the floor:
         + Σ |Δ³x fps³ / σ|² + keyframes,
 
 with uv, m those of the tracked motion, H the body's height in the picture, a_i how far a pinned
-point is above the floor. Keyframes are met exactly, but for those that are said to be soft: nearly,
+point is above the floor. Where several films show the motion, the first sum is over the pictures of
+all of them. Keyframes are met exactly, but for those that are said to be soft: nearly,
 or in the picture alone; of limbs keyed alone the last joints are exactly where they were seen,
 those between nearly.
 """
@@ -23,6 +24,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from keypose.tracker.body.body import Body
@@ -34,7 +36,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.on_body import height_px, is_persons
-from keypose.tracker.solver.frames import LinkIn, SharedTermIn
+from keypose.tracker.solver.frames import LinkIn, SharedTermIn, TermIn
 from keypose.tracker.solver.least_squares import QUICK, least_squares
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem, MotionState
 from keypose.tracker.solver.pose_terms import (
@@ -130,8 +132,30 @@ def _share(speed: Array, frames_per_second: float) -> Array:
 
 SEEN_KERNEL = Huber(2.0)
 PIN_KERNEL = Huber(10.0)
+LEAST_BEFORE_M: Final = 0.5
+"""A body with a joint nearer to a camera, or behind it, is not seen by it."""
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
+
+
+@dataclass(frozen=True, eq=False)
+class FilmInSpace:
+    """Another film of a stretch.
+
+    camera: without distortion.  Ts_film_first (N, 4, 4): from the first camera's frame to this
+    one's, at each frame of the stretch.  shows (N,): whether it was running.
+    """
+
+    camera: Camera
+    Ts_film_first: Array
+    shows: NDArray[np.bool_]
+
+    def carried(self, skeleton: Skeleton, motion: Trajectory) -> tuple[NDArray[np.bool_], Array]:
+        """Where it shows a motion of the stretch, (N,), and Ts_film_first with the first camera's
+        own frame in place of where it does not: whom a camera has behind it, it does not show."""
+        there = motion.carried(self.Ts_film_first).transforms(skeleton)
+        shows = self.shows & (self.camera.depth(there[..., :3, 3]) > LEAST_BEFORE_M).all(axis=-1)
+        return shows, np.where(shows[:, None, None], self.Ts_film_first, np.eye(4))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +168,7 @@ class SpaceProblem:
         are met exactly in the picture.  keyed_parts: limbs that are exact at other frames.
     smooth: whether jerk counts.  up_world: unit vector.  floor_m: the floor's height along it,
         where it is known.  tilt_rad: σ of up, which is as known where that is 0.  path: of the
-        camera over these frames; None where it is the world.
+        camera over these frames; None where it is the world.  films: others of the same motion.
     """
 
     skeleton: Skeleton
@@ -162,6 +186,7 @@ class SpaceProblem:
     floor_m: float | None = None
     tilt_rad: float = 0.0
     path: CameraPath | None = None
+    films: Sequence[FilmInSpace] = ()
 
     @cached_property
     def motion_in_world(self) -> Trajectory:
@@ -281,13 +306,17 @@ def _shared(problem: SpaceProblem, places: Array) -> tuple[Floor, Array]:
 
 def heights_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
     """(N,) of the body, were it to stand where it is; of a thing its greatest extent."""
-    motion = problem.motion
-    z = problem.camera.depth(motion.ps_camera_root)
+    return heights_before(skeleton, problem.camera, problem.motion)
+
+
+def heights_before(skeleton: Skeleton, camera: Camera, motion: Trajectory) -> Array:
+    """(N,) the same of a motion before a camera."""
+    z = camera.depth(motion.ps_camera_root)
     if is_persons(skeleton.body):
-        at_key = height_px(skeleton, problem.camera, motion.pose(motion.first_frame))
+        at_key = height_px(skeleton, camera, motion.pose(motion.first_frame))
         return np.asarray(at_key * z[0] / z)
     rest = _points_seen(skeleton).of(Posed.of(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
-    return np.asarray(np.ptp(rest, axis=0).max() * problem.camera.fy / z)
+    return np.asarray(np.ptp(rest, axis=0).max() * camera.fy / z)
 
 
 def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
@@ -295,8 +324,22 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     points = _points_seen(skeleton)
     uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
     scale = 1 / (SEEN_SHARE * heights_px(problem, skeleton))
-    every = scale[:, None] / _wider(problem, points)
-    return (PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
+    wider = _wider(problem, points)
+    every = scale[:, None] / wider
+    first = PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL)
+    return (first, *(_seen_in(film, problem, points, wider) for film in problem.films))
+
+
+def _seen_in(film: FilmInSpace, problem: SpaceProblem, points: BodyPoints, wider: Array) -> Term:
+    """The same in another film's picture, as far as they lie in it."""
+    skeleton, camera = points.skeleton, film.camera
+    shows, Ts = film.carried(skeleton, problem.motion)
+    there = problem.motion.carried(Ts)
+    uv = image_points(camera, points.at(there.transforms(skeleton)))
+    inside = ((uv > -0.5) & (uv < (camera.width - 0.5, camera.height - 0.5))).all(axis=-1)
+    scale = 1 / (SEEN_SHARE * heights_before(skeleton, camera, there)[:, None] * wider)
+    scale = np.where(inside & shows[:, None], scale, 0.0)
+    return TermIn(PointsInPicture(points, camera, uv, scale, NEAREST_M, SEEN_KERNEL), Ts)
 
 
 def _wider(problem: SpaceProblem, points: BodyPoints) -> Array:

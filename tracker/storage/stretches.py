@@ -24,6 +24,8 @@ from keypose.tracker.tracking.result import SegmentResult
 
 STRETCH_KEY_VERSION = 2
 """Of the solve: another one finds another motion."""
+FILMS_VERSION = 1
+"""The same of what is compared with further films."""
 LONGEST = 900
 """Frames in one solve; a longer stretch is divided at keyframes, if possible between pins."""
 
@@ -122,6 +124,7 @@ def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Spa
         ),
         [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
         *_camera(session, span),
+        *([{"films": FILMS_VERSION}] if session.views[1:] else []),  # which segments' keys have
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 

@@ -17,7 +17,7 @@ from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.geometry.up import UpEvidence, UpSource
 from keypose.tracker.operations.find_up import estimated_up
 from keypose.tracker.operations.kept_pins import without_harm
-from keypose.tracker.operations.solve_space import solved
+from keypose.tracker.operations.solve_space import films_in_space, solved
 from keypose.tracker.operations.stand import Standing, stand
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
@@ -25,11 +25,14 @@ from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.session.results import Results
 from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.session.views import Clock
+from keypose.tracker.solver.projection import image_points
 from keypose.tracker.space.soles import Soles, measured_soles, soles_of
 from keypose.tracker.storage import stretches as solves
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.tracking.result import SegmentResult
+from tests.app.film_beside_cases import with_film
 from tests.tracker.operations.standing_cases import (
     KEYS,
     session_of,
@@ -452,3 +455,22 @@ def test_frames_in_which_nothing_touches_the_floor_are_told() -> None:
     measured = measured_soles(SHOWN.skeleton, [raised], pins, UP, done.session.world.floor_m or 0.0)
     assert measured is not None
     assert (75, 78) in measured.in_air
+
+
+def test_feet_on_the_floor_move_the_body_less_in_the_film_of_the_side_if_the_session_has_it() -> (
+    None
+):
+    x, y, z = UP.tolist()
+    one = known()
+    two = with_film(one, Clock(begins=0.0)).changed({"up_world": (x, y, z)})
+    moved = []
+    for given in (one, two):
+        done = stood(given)
+        (run,) = stretches(done.session, tracked(done.session, MOTION))
+        (film,) = films_in_space(two, *run.span)
+        uv = [
+            image_points(film.camera, each.carried(film.Ts_film_first).joints(SHOWN.skeleton))
+            for each in (solved(done.session, run).motion, MOTION)
+        ]
+        moved.append(np.linalg.norm(uv[0] - uv[1], axis=-1)[:, JOINTS].mean())
+    assert moved[1] < 0.5 * moved[0]

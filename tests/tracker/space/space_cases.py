@@ -105,6 +105,15 @@ def standing(frames: int = 61) -> Scene:
     return replace(shown, truth=Trajectory(0, R, p))
 
 
+def reach_far(shown: Scene) -> Scene:
+    """Filmed from three times as far with three times the focal length: a body that is a little
+    nearer or farther is seen nearly as large, so that the picture does not contradict it."""
+    camera = shown.camera.model_copy(update={"fx": 3 * shown.camera.fx, "fy": 3 * shown.camera.fy})
+    away = np.array([0.0, 0.0, 2 * shown.truth.ps_camera_root[0, 2]])
+    R, p = shown.truth.writable()
+    return replace(shown, camera=camera, truth=Trajectory(0, R, p + away))
+
+
 def farther(motion: Trajectory, away_m: Floats) -> Trajectory:
     """A motion moved by away_m (N,) along the rays to its root."""
     p = motion.ps_camera_root

@@ -27,21 +27,13 @@ from tests.tracker.space.space_cases import (
     pixels,
     places,
     problem,
+    reach_far,
     shaken,
     speeds,
     standing,
 )
 
 FRAMES = 61
-
-
-def reach_far(shown: Scene) -> Scene:
-    """Filmed from three times as far with three times the focal length: a body that is a little
-    nearer or farther is seen nearly as large, so that the picture does not contradict it."""
-    camera = shown.camera.model_copy(update={"fx": 3 * shown.camera.fx, "fy": 3 * shown.camera.fy})
-    away = np.array([0.0, 0.0, 2 * shown.truth.ps_camera_root[0, 2]])
-    R, p = shown.truth.writable()
-    return replace(shown, camera=camera, truth=Trajectory(0, R, p + away))
 
 
 @pytest.fixture(scope="module")
