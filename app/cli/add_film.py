@@ -8,19 +8,10 @@ from keypose.app.cli.arguments import order_of
 from keypose.app.cli.change import Change, run_change
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.jobs.add_film import found_film
-from keypose.app.jobs.with_film import AddedFilm
+from keypose.app.jobs.with_film import AddedFilm, added_words
 from keypose.app.orders.film import BesideOrder
 from keypose.app.orders.tracking import FilmTaken
-from keypose.app.words.films import (
-    film_words,
-    lens_words,
-    mended_words,
-    opposite_words,
-    pair_words,
-    place_of,
-    rate_words,
-    turned_deg,
-)
+from keypose.app.words.films import place_of, turned_deg
 from keypose.tracker.session import Session
 
 
@@ -41,17 +32,7 @@ def _added(session: Session, arguments: argparse.Namespace) -> Change:
             calibration=arguments.calibration,
             taken=order_of(FilmTaken, arguments),
         )
-    lines = tuple(line for line in _lines(session, added) if line)
-    return Change(lambda: added.saved(path), lines, _facts(added))
-
-
-def _lines(session: Session, added: AddedFilm) -> tuple[str, ...]:
-    file = "" if added.pair is None else added.pair.file
-    lens = lens_words(session.view, added.session.view, file)
-    pair = "" if added.pair is None else pair_words(added.pair, added.view)
-    opposite = opposite_words(added.session, added.view)
-    rate = rate_words(added.view, added.rate)
-    return pair, film_words(added.view), rate, opposite, lens, mended_words(added.mended)
+    return Change(lambda: added.saved(path), added_words(session, added), _facts(added))
 
 
 def _facts(added: AddedFilm) -> dict[str, object]:

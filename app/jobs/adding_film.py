@@ -15,11 +15,6 @@ from keypose.app.jobs.job import Context
 from keypose.app.jobs.progress import seconds_left
 from keypose.app.orders.film import BesideOrder
 from keypose.app.words.films import (
-    film_words,
-    lens_words,
-    mended_words,
-    opposite_words,
-    rate_words,
     whom_words,
 )
 from keypose.tracker.errors import KeypointError
@@ -143,11 +138,9 @@ class PlaceFilm(_OfFilms):
 
 
 def _with_words(session: Session, added: AddedFilm) -> FoundFilm:
-    lens = lens_words(session.view, added.session.view)
-    opposite = opposite_words(added.session, added.view)
-    rate = rate_words(added.view, added.rate)
-    words = (film_words(added.view), rate, opposite, lens, mended_words(added.mended))
-    return added.film._replace(words=" ".join(filter(None, words)))
+    from keypose.app.jobs.with_film import added_words  # loads what only this needs
+
+    return added.film._replace(words=" ".join(added_words(session, added)))
 
 
 def _taken(state: AppState, with_film: Session, films: tuple[View, ...], label: str) -> AppState:

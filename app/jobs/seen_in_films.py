@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,9 @@ from keypose.tracker.storage.cache import Detections
 from keypose.tracker.storage.sidecars import keypoints_of_session
 from keypose.tracker.tracking.pool import Cancelled
 from keypose.tracker.video import Video
+
+MOST_PEOPLE = 4
+"""In a film, of whom the one is taken who moves as in the first film."""
 
 
 class WhoIsMeant(KeypointError):
@@ -74,17 +78,45 @@ def keypoints_of_others(session: Session, folder: Path) -> dict[str, Keypoints]:
     }
 
 
-def box_of(order: BesideOrder, video: Video) -> tuple[Box, int]:
-    """Around whom to look, and at which frame."""
+@dataclass(frozen=True, eq=False)
+class SeenPerson:
+    """Somebody in a film.  keypoints: found by a network of this fingerprint, from a frame on."""
+
+    keypoints: Keypoints
+    network: str
+    frame: int
+
+
+def seen_people(
+    session: Session,
+    view: View,
+    video: Video,
+    order: BesideOrder,
+    report: Callable[[float], None],
+    cancelled: Callable[[], bool],
+) -> tuple[list[SeenPerson], PeopleInFilm | None]:
+    """What is seen of the person who is meant, or of everybody who may be; and who they are, where
+    nobody said who is meant.  report: receives the share that is done."""
     if order.box is not None:
-        return order.box, order.frame or 0
-    people = people_seen(video, spread_frames(0, video.info.frame_count - 1))
-    if people is None or len(people.people) > 1:
-        raise WhoIsMeant(people)
-    return people.people[0].box, people.frame
+        whole = [(order.box, order.frame or 0)]
+        people = None
+    else:
+        people = people_seen(video, spread_frames(0, video.info.frame_count - 1))
+        if people is None or len(people.people) > MOST_PEOPLE:
+            raise WhoIsMeant(people)
+        whole = [(person.box, people.frame) for person in people.people]
+    seen = []
+    for number, (box, frame) in enumerate(whole):
+        done, share = number / len(whole), 1 / len(whole)
+
+        def of_this(part: float, done: float = done, share: float = share) -> None:
+            report(done + share * part)
+
+        seen.append(_detected(session, view, video, box, frame, of_this, cancelled))
+    return seen, people
 
 
-def detected(
+def _detected(
     session: Session,
     view: View,
     video: Video,
@@ -92,8 +124,7 @@ def detected(
     at: int,
     report: Callable[[float], None],
     cancelled: Callable[[], bool],
-) -> tuple[Keypoints, str]:
-    """What is seen of the person in the film, and by which network."""
+) -> SeenPerson:
     model, count = find_model(session.settings.network_used), video.info.frame_count
     network, pictures = open_detector(model), _leaving(video, cancelled)
     looks = 0
@@ -101,7 +132,7 @@ def detected(
     def picture(number: int) -> NDArray[np.uint8]:
         nonlocal looks
         looks += 1
-        report(0.2 + 0.7 * min(looks / count, 1.0))
+        report(min(looks / count, 1.0))
         return pictures(number)
 
     keypoints = detect(
@@ -113,7 +144,7 @@ def detected(
         kept=Detections(),
         every_second=model.skips_frames_at(video.info.fps),
     )
-    return keypoints, network.fingerprint
+    return SeenPerson(keypoints, network.fingerprint, at)
 
 
 def _leaving(video: Video, cancelled: Callable[[], bool]) -> Callable[[int], NDArray[np.uint8]]:

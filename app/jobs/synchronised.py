@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from keypose.app.jobs.film_camera import of_view_alone
 from keypose.app.words.films import same_view_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import SessionError
@@ -18,6 +19,7 @@ from keypose.tracker.films.parts import part_in_common, part_that_fits
 from keypose.tracker.films.same_view import is_same_view
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -113,9 +115,14 @@ def synchronised(
     begins: float | None,
     pair: CalibratedPair | None,
     cancelled: Callable[[], bool],
+    heard: float | None = None,
 ) -> Synchronised:
-    """When the film was taken, the likeliest first.  pair: the cameras of both in a calibration."""
-    search, rate = _search(session, view, keypoints, rates[0], pair), rates[1] / rates[0]
+    """When the film was taken, the likeliest first.
+
+    pair: the cameras of both in a calibration.  heard: the frame of the first at which it begins,
+    as their sound says; None where it says nothing.
+    """
+    search, rate = _search(session, view, keypoints, rates[0], pair, heard), rates[1] / rates[0]
     if begins is None:
         return Synchronised(pair, search, rate, find_offsets(search, rate, cancelled))
     clock = FilmClock(begins, rate)
@@ -131,6 +138,7 @@ def _search(
     keypoints: tuple[Keypoints, Keypoints],
     fps: float,
     pair: CalibratedPair | None,
+    heard: float | None,
 ) -> OffsetSearch:
     cameras = session.view.camera, view.camera
     # the cameras of other films are placed with the first lens as it is
@@ -139,10 +147,20 @@ def _search(
     if pair is not None:
         first_lens = pair.first if len(session.views) == 1 else session.view.camera
         cameras, guesses, start = (first_lens, pair.film), (False, False), pair.T_film_first
-    first = Sightings.of(keypoints[0], cameras[0], session.view.video.frame_count)
-    film = Sightings.of(keypoints[1], cameras[1], view.video.frame_count)
+    first = sightings_of(session, session.view, keypoints[0], cameras[0])
+    film = sightings_of(session, view, keypoints[1], cameras[1])
     keyed = joints_at(session, (each for each in session.subject.keyframes if not each.drafted))
-    return OffsetSearch(first, film, fps, lengths_of(session.subject.body), guesses, keyed, start)
+    lengths_m = lengths_of(session.subject.body)
+    return OffsetSearch(first, film, fps, lengths_m, guesses, keyed, start, heard)
+
+
+def sightings_of(session: Session, view: View, keypoints: Keypoints, camera: Camera) -> Sightings:
+    """What a film shows of the person at each of its frames.  camera: with its distortion."""
+    alone = session if view is session.view else of_view_alone(session, view)
+    motion, path, way = alone.view.camera_motion, alone.camera_path, None
+    if path is not None and motion is not None and motion.unscaled and view is not session.view:
+        way = motion.in_its_units.Ts_camera_world[:, :3, 3]
+    return Sightings.of(keypoints, camera, view.video.frame_count, path, way)
 
 
 def best_of(tried: Sequence[Synchronised]) -> Synchronised:
@@ -216,6 +234,8 @@ def require_common_motion(
 
 
 def joints_at(session: Session, keyframes: Iterable[Keyframe]) -> dict[int, Array]:
-    """Joints (J, 3) in the first camera's frame, by frame."""
-    skeleton = Skeleton.of(session.subject.body)
-    return {each.frame: joints_of_pose(skeleton, each.pose(skeleton)) for each in keyframes}
+    """Joints (J, 3) in the world, by frame."""
+    skeleton, film_camera = Skeleton.of(session.subject.body), session.film_camera
+    poses = {each.frame: each.pose(skeleton) for each in keyframes}
+    in_world = film_camera.poses_to_world(poses)
+    return {frame: joints_of_pose(skeleton, pose) for frame, pose in in_world.items()}

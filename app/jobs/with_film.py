@@ -11,10 +11,18 @@ import numpy as np
 
 from keypose.app.editor.documents import seen_as_before
 from keypose.app.jobs.found_film import FoundFilm
-from keypose.app.jobs.synchronised import Synchronised, joints_at
+from keypose.app.jobs.synchronised import Synchronised, joints_at, sightings_of
+from keypose.app.words.films import (
+    chosen_words,
+    film_words,
+    lens_words,
+    mended_words,
+    opposite_words,
+    pair_words,
+    rate_words,
+)
 from keypose.tracker.films.cameras import at_scale_of
 from keypose.tracker.films.offset import FoundOffset
-from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
 from keypose.tracker.geometry.rotations import quaternion_wxyz
 from keypose.tracker.keypoints.keypoints import Keypoints
@@ -33,7 +41,8 @@ class AddedFilm:
     film: the session with the film, and with mended keyframes, and what was seen in the film.
     offset: when it was taken, and where its camera stands.  others: the other offsets that may be
         true.  mended: what became of the keyframes.  rate: frames of it per frame of the first, as
-        the files say.  pair: of a calibration, where one was given.
+        the files say.  pair: of a calibration, where one was given.  people: of whom the one was
+        taken who moves as in the first film.
     """
 
     film: FoundFilm
@@ -42,6 +51,7 @@ class AddedFilm:
     mended: MendedKeyframes
     rate: float
     pair: CalibratedPair | None = None
+    people: int = 1
 
     @property
     def session(self) -> Session:
@@ -56,6 +66,22 @@ class AddedFilm:
     def saved(self, session_path: Path) -> Session:
         """As of `FoundFilm`."""
         return self.film.saved(session_path)
+
+
+def added_words(before: Session, added: AddedFilm) -> tuple[str, ...]:
+    """What is said of a film that was added to a session, a few sentences."""
+    view, pair = added.view, added.pair
+    file = "" if pair is None else pair.file
+    words = (
+        "" if pair is None else pair_words(pair, view),
+        film_words(view),
+        chosen_words(view, added.people),
+        rate_words(view, added.rate),
+        opposite_words(added.session, view),
+        lens_words(before.view, added.session.view, file),
+        mended_words(added.mended),
+    )
+    return tuple(filter(None, words))
 
 
 def with_film(
@@ -110,7 +136,7 @@ def _at_scale(
 ) -> FoundOffset:
     """An offset with its camera as far away as all that is posed says."""
     count = session.view.video.frame_count
-    film = Sightings.of(keypoints, view.camera, view.video.frame_count)
+    film = sightings_of(session, view, keypoints, view.camera)
     film = film.at(offset.clock, np.arange(count))
     posed = (*session.subject.keyframes, *session.subject.drafts[:: _every(session)])
     return replace(offset, camera=at_scale_of(offset.camera, film, joints_at(session, posed)))
@@ -145,6 +171,10 @@ def _placed(
     }
     if placed.focal != 1.0:
         update["lens_source"] = "fitted"
+    motion = view.camera_motion
+    if motion is not None and motion.unscaled and placed.metres > 0:
+        pieces = (motion.pieces[0].model_copy(update={"metres": float(f"{placed.metres:.7g}")}),)
+        update["camera_motion"] = motion.model_copy(update={"pieces": pieces})
     return view.model_copy(update=update)
 
 

@@ -27,8 +27,19 @@ def film_words(view: View) -> str:
     the first one's (± 0.4 m), turned by 62° (± 3°)."."""
     name = Path(view.video.path).name
     away, turned = np.linalg.norm(place_of(view)), turned_deg(view)
-    where = f"Its camera stands {away:.1f} m from the first one's{_metres(view)}, turned by "
+    it_is = "stands" if view.camera_motion is None else "moves; as the film begins it is"
+    where = f"Its camera {it_is} {away:.1f} m from the first one's{_metres(view)}, turned by "
     return f"{name} {clock_words(view)}. {where}{turned:.0f}°{_degrees(view)}."
+
+
+def chosen_words(view: View, people: int) -> str:
+    """Says of how many people in a film one was taken; empty where there is no other."""
+    if people < 2:
+        return ""
+    return (
+        f"Of {people} people in {Path(view.video.path).name} the one was taken who moves as in the "
+        "first film."
+    )
 
 
 def opposite_words(session: Session, view: View) -> str:

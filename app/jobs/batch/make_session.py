@@ -40,15 +40,9 @@ from keypose.app.jobs.film_session import (
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats, with_settings
+from keypose.app.jobs.with_film import added_words
 from keypose.app.orders.film import FILM_ORDERS, BesideOrder, FilmToDraft
 from keypose.app.orders.tracking import said
-from keypose.app.words.films import (
-    film_words,
-    lens_words,
-    mended_words,
-    opposite_words,
-    rate_words,
-)
 from keypose.app.words.people import (
     accepted_words,
     another_person_words,
@@ -169,13 +163,7 @@ def _with_films(
         except KeyposeError as error:
             record = record.with_note(f"{film.name} was left out. {error}")
         else:
-            for words in (
-                film_words(added.view),
-                rate_words(added.view, added.rate),
-                opposite_words(added.session, added.view),
-                lens_words(session.view, added.session.view),
-                mended_words(added.mended),
-            ):
+            for words in added_words(session, added):
                 record = record.with_note(words)
             session = added.saved(path)
         _write_record(record, path)
