@@ -45,7 +45,9 @@ from keypose.tracker.video import Video
 from keypose.tracker.video.sound import loudness_of
 
 AS_IN_ITS_FILE = FilmTaken()
-SEEN_FIRST, SEEN, FOLLOWED = 0.2, 0.7, 0.9
+SEEN_FIRST = 0.2
+SEEN = 0.7
+FOLLOWED = 0.9
 """Shares of the work that are done once the first film was looked at, the other one, and how its
 camera moves."""
 MOST_FILMS = 8
@@ -93,11 +95,13 @@ def found_film(
                 raise Cancelled
             report(SEEN + (FOLLOWED - SEEN) * share)
 
-        seen, people = seen_people(session, view, video, order, looked, cancelled)
-        view = with_camera_motion(session, view, video, [each.keypoints for each in seen], followed)
+        candidates, people = seen_people(session, view, video, order, looked, cancelled)
+        view = with_camera_motion(
+            session, view, video, [each.keypoints for each in candidates], followed
+        )
     heard = _heard(session, session_path, path, rates)
     tried = []
-    for person in seen:
+    for person in candidates:
         both = first_keypoints, person.keypoints
         of_pairs = [
             synchronised(session, view, both, rates, order.begins, pair, cancelled, heard)
@@ -107,12 +111,12 @@ def found_film(
             raise Cancelled
         tried.append(best_of(of_pairs))
     number = _who_is_meant(tried, people)
-    person, best = seen[number], tried[number]
+    person, best = candidates[number], tried[number]
     keypoints = first_keypoints, person.keypoints
     require_common_motion(session, view, keypoints, best, order.begins, calibration)
     others = keypoints_of_others(session, session_path.parent)
     added = with_film(session, view, keypoints, best, person.network, person.frame, others=others)
-    added = replace(added, people=len(seen))
+    added = replace(added, people=len(candidates))
     if aside_deg(added.session, added.view) < LEAST_ASIDE_DEG:
         raise SessionError(same_view_words(path.name))
     return added
@@ -165,13 +169,13 @@ def placed_again(
     rest = tuple(each for each in session.views if each is not view)
     without = session.model_copy(update={"views": rest})
     keypoints = first_keypoints, film_keypoints
-    found = synchronised(without, view, keypoints, rates, begins, None, cancelled)
-    require_common_motion(without, view, keypoints, found, begins, None)
+    best = synchronised(without, view, keypoints, rates, begins, None, cancelled)
+    require_common_motion(without, view, keypoints, best, begins, None)
     seeds = view.keypoints.seeds
     network, at = view.keypoints.network, seeds[0] if seeds else 0
     also = choices_beside(view, begins)
     others = keypoints_of_others(without, session_path.parent)
-    return with_film(without, view, keypoints, found, network, at, also, others=others)
+    return with_film(without, view, keypoints, best, network, at, also, others=others)
 
 
 _TAKES_NONE = ByEvidence(

@@ -41,14 +41,14 @@ def with_camera_motion(
         return view
     masks = tuple(mask for keypoints in people for mask in _around(keypoints, view))
     masked = view.model_copy(update={"ignore_masks": (*view.ignore_masks, *masks)})
-    found = find_camera(of_view_alone(session, masked), video, {}, report=report)
-    if found.motion is not None and len(found.motion.pieces) > 1:
-        frame = found.motion.pieces[1].first_frame
+    camera_found = find_camera(of_view_alone(session, masked), video, {}, report=report)
+    if camera_found.motion is not None and len(camera_found.motion.pieces) > 1:
+        frame = camera_found.motion.pieces[1].first_frame
         raise SessionError(
             f"{Path(view.video.path).name} is cut at frame {frame}, or shows too little background "
             "there to follow its camera: cut the film there, and add one part."
         )
-    after = with_found(of_view_alone(session, view), found).view
+    after = with_found(of_view_alone(session, view), camera_found).view
     return after.model_copy(update={"id": view.id})
 
 
@@ -73,10 +73,10 @@ def _around(keypoints: Keypoints, view: View) -> Iterator[IgnoreMask]:
 
 
 def _box(uv: Array) -> tuple[float, float, float, float] | None:
-    seen = uv[np.isfinite(uv).all(axis=1)]
-    if not len(seen):
+    joints = uv[np.isfinite(uv).all(axis=1)]
+    if not len(joints):
         return None
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    low, high = joints.min(axis=0), joints.max(axis=0)
     margin = MARGIN * float((high - low).max())
     (left, top), (right, bottom) = low - margin, high + margin
     return float(left), float(top), float(right), float(bottom)

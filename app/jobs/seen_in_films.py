@@ -105,15 +105,15 @@ def seen_people(
         if people is None or len(people.people) > MOST_PEOPLE:
             raise WhoIsMeant(people)
         whole = [(person.box, people.frame) for person in people.people]
-    seen = []
+    persons = []
     for number, (box, frame) in enumerate(whole):
         done, share = number / len(whole), 1 / len(whole)
 
         def of_this(part: float, done: float = done, share: float = share) -> None:
             report(done + share * part)
 
-        seen.append(_detected(session, view, video, box, frame, of_this, cancelled))
-    return seen, people
+        persons.append(_detected(session, view, video, box, frame, of_this, cancelled))
+    return persons, people
 
 
 def _detected(

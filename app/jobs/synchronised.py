@@ -21,9 +21,10 @@ from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.film_clock import FilmClock
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session import Keyframe, Session
+from keypose.tracker.session.between_views import T_world_camera
 from keypose.tracker.session.views import View
 from keypose.tracker.video import Video
 
@@ -157,10 +158,10 @@ def _search(
 def sightings_of(session: Session, view: View, keypoints: Keypoints, camera: Camera) -> Sightings:
     """What a film shows of the person at each of its frames.  camera: with its distortion."""
     alone = session if view is session.view else of_view_alone(session, view)
-    motion, path, way = alone.view.camera_motion, alone.camera_path, None
+    motion, path, unit_shift = alone.view.camera_motion, alone.camera_path, None
     if path is not None and motion is not None and motion.unscaled and view is not session.view:
-        way = motion.in_its_units.Ts_camera_world[:, :3, 3]
-    return Sightings.of(keypoints, camera, view.video.frame_count, path, way)
+        unit_shift = motion.in_its_units.Ts_camera_world[:, :3, 3]
+    return Sightings.of(keypoints, camera, view.video.frame_count, path, unit_shift)
 
 
 def best_of(tried: Sequence[Synchronised]) -> Synchronised:
@@ -190,10 +191,10 @@ def require_common_motion(
 ) -> None:
     """SessionError, in a sentence, where two films could not be synchronised, or only a part."""
     name, first = (Path(each.video.path).name for each in (view, session.view))
-    for seen, film in ((best.search.film, name), (best.search.first, first)):
-        if seen.seen.sum() < FEWEST_FRAMES:
+    for shown, film in ((best.search.film, name), (best.search.first, first)):
+        if shown.seen.sum() < FEWEST_FRAMES:
             raise SessionError(
-                f"The person is seen well in {seen.seen.sum()} frames of {film}, and in "
+                f"The person is seen well in {shown.seen.sum()} frames of {film}, and in "
                 f"{FEWEST_FRAMES} at least both films have to show the motion."
             )
     if (part := best.part) is not None:
@@ -222,9 +223,9 @@ def require_common_motion(
     if is_same_view(best.search, best.rate):
         raise SessionError(same_view_words(name))
     if (slowed := best.slowed) is not None:
-        slow, other = (name, first) if slowed > 1 else (first, name)
+        slow, fast = (name, first) if slowed > 1 else (first, name)
         raise SessionError(
-            f"{slow} shows the motion {max(slowed, 1 / slowed):g} times slower than {other}: say "
+            f"{slow} shows the motion {max(slowed, 1 / slowed):g} times slower than {fast}: say "
             "at which rate it was recorded (--recorded-fps), as slow motion is played at another."
         )
     raise SessionError(
@@ -235,7 +236,8 @@ def require_common_motion(
 
 def joints_at(session: Session, keyframes: Iterable[Keyframe]) -> dict[int, Array]:
     """Joints (J, 3) in the world, by frame."""
-    skeleton, film_camera = Skeleton.of(session.subject.body), session.film_camera
-    poses = {each.frame: each.pose(skeleton) for each in keyframes}
-    in_world = film_camera.poses_to_world(poses)
-    return {frame: joints_of_pose(skeleton, pose) for frame, pose in in_world.items()}
+    skeleton, joints = Skeleton.of(session.subject.body), {}
+    for each in keyframes:
+        T = T_world_camera(session, np.array([float(each.frame)]))
+        joints[each.frame] = apply_transform(T, joints_of_pose(skeleton, each.pose(skeleton)))
+    return joints

@@ -74,7 +74,9 @@ function filmBars(film) {
   return html`<div class="glass row" id="fhead" data-film=${id}>
       <span class="cut b" title=${words}>${name}</span>${more(film, '#fhead .ib')}
       <span class="vsep"></span>${actionIcon('enlargeFilm', film)}</div>
-    <div class="glass row filmclock" id="fclock">${heldFrame(film) === null ? [clock(film), actionIcon('holdFilm', film)] : holding(film)}</div>
+    <div class="glass row filmclock" id="fclock">${
+      heldFrame(film) === null ? [clock(film), actionIcon('holdFilm', film)] : holding(film)
+    }</div>
     ${lacking(film, viewNamed('film').why)}`;
 }
 
@@ -115,7 +117,9 @@ function clock(film) {
 
 /** Its picture waits for the frame of the first film that shows the same moment. @param {Film} film */
 function holding(film) {
-  return html`<span class="dim num">${film.frame} held</span>${actionButton('alignFilm', film, { kind: 'pri' })}${actionIcon('holdFilm', film, { name: 'x' })}`;
+  const align = actionButton('alignFilm', film, { kind: 'pri' });
+  const letGo = actionIcon('holdFilm', film, { name: 'x' });
+  return html`<span class="dim num">${film.frame} held</span>${align}${letGo}`;
 }
 
 /** What is said as ±. @param {number | null} sigma */

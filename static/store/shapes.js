@@ -704,7 +704,8 @@
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
  * @property {string | null} [filmLarge]  The other film that stands beside the first.
  * @property {{ id: string, frame: number } | null} [filmHeld]  The other film whose picture is held, and its frame.
- * @property {{ anchor: string, place: number[] } | null} [sight]  The joint that is dragged in a film's picture, and where its camera stands.
+ * @property {{ anchor: string, place: number[] } | null} [sight]  The joint that is dragged in a film's picture,
+ *   and where its camera stands.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {number} [unreadable]  The frame that turned out last to have no picture.
  * @property {boolean} [placeSeen]  Whether the frame of the place that is reviewed is on the screen.

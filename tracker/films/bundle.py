@@ -99,8 +99,8 @@ class BodyBundle:
 class BundleData:
     """What a bundle is compared with.
 
-    Ts_camera_base (V, F, 4, 4): where each camera was in its base, at each moment, but for its way
-        (V, F, 3), whose unit is unknown.  unscaled: the views that have one.
+    Ts_camera_base (V, F, 4, 4): where each camera was in its base, at each moment, but for
+        unit_shift (V, F, 3), whose unit is unknown.  unscaled: the views that have one.
 
     xy (V, F, J, 2): where joints are seen.  scale (V, F, J): 1/σ, 0 where they are not.
     lengths_m (L,): of `LENGTHS` as the body has them, NaN where it has not.  free_focal (V,):
@@ -114,7 +114,7 @@ class BundleData:
     free_focal: tuple[bool, ...]
     posed: Array
     Ts_camera_base: Array
-    way: Array
+    unit_shift: Array
     unscaled: tuple[int, ...]
 
     @classmethod
@@ -132,17 +132,19 @@ class BundleData:
         posed = nobody if posed is None else posed
         Ts_camera_base = np.stack([film.Ts_camera_base() for film in films])
         nowhere = np.zeros((scale.shape[1], 3))
-        way = np.stack([nowhere if film.way is None else film.way for film in films])
-        unscaled = tuple(v for v, film in enumerate(films) if film.way is not None)
+        unit_shift = np.stack(
+            [nowhere if film.unit_shift is None else film.unit_shift for film in films]
+        )
+        unscaled = tuple(v for v, film in enumerate(films) if film.unit_shift is not None)
         guesses = tuple(free_focal)
-        return cls(xy, scale, lengths_m, guesses, posed, Ts_camera_base, way, unscaled)
+        return cls(xy, scale, lengths_m, guesses, posed, Ts_camera_base, unit_shift, unscaled)
 
     def Ts_camera_world(self, Ts: Array, metres: Array | None = None) -> Array:
         """(V, F, 4, 4) of cameras whose bases (V, 4, 4) are there, and the units of whose ways
         (V,) are so long; of none where that is not given."""
         Ts_camera_world = self.Ts_camera_base @ Ts[:, None]
         if metres is not None:
-            Ts_camera_world[..., :3, 3] += metres[:, None, None] * self.way
+            Ts_camera_world[..., :3, 3] += metres[:, None, None] * self.unit_shift
         return np.asarray(Ts_camera_world)
 
     @property
@@ -270,7 +272,8 @@ class _Point:
     def _way_scale(self) -> Array:
         """By each unscaled way's unit, 1/σ of how long that is: no camera is carried farther."""
         return (
-            np.array([np.ptp(self.data.way[v], axis=0).max() for v in self.data.unscaled]) / WAY_M
+            np.array([np.ptp(self.data.unit_shift[v], axis=0).max() for v in self.data.unscaled])
+            / WAY_M
         )
 
     @cached_property
@@ -380,7 +383,7 @@ def _jacobians(
     P[..., 0, 0] = P[..., 1, 1] = focal / z
     P[..., :, 2] = -uv / z[..., None]
     P *= scale[..., None, None]
-    by_metre = np.einsum("vfjka,vfa->vfjk", P, data.way)
+    by_metre = np.einsum("vfjka,vfa->vfjk", P, data.unit_shift)
     P = P @ data.Ts_camera_base[:, :, None, :3, :3]
     in_base = _seen_from(np.broadcast_to(Ts[:, None], data.Ts_camera_base.shape), bundle.joints)
     turned = np.cross(in_base[..., None, :], P)  # P (w × p) = w · (p × P)

@@ -50,18 +50,18 @@ def found_rate(
 
     clock: about right.  fps: of the first film.
     """
-    found, slopes = clock, None
+    faster, slopes = clock, None
     for _ in range(STEPS):
-        slopes = _Slopes.of(first, film, found, camera)
+        slopes = _Slopes.of(first, film, faster, camera)
         if slopes is None:
             return None
         shift, share = slopes.step
-        found = turned_about(found, slopes.middle, shift, share)
+        faster = turned_about(faster, slopes.middle, shift, share)
     assert slopes is not None
-    share = found.rate / clock.rate - 1
+    share = faster.rate / clock.rate - 1
     drift = 0.5 * float(np.ptp(slopes.when)) * abs(share)
     is_sure = drift > LEAST_DRIFT and abs(share) > SURE_SIGMAS * slopes.sigma(fps)
-    return found if is_sure and abs(share) <= MOST_OFF else None
+    return faster if is_sure and abs(share) <= MOST_OFF else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,8 +31,8 @@ class Sightings:
     p_hips (N, J, 3): metres in the camera's axes, the middle of the hips at 0; NaN where unknown.
     path: where the camera was, in a base frame of its own, in which it is looked for; None of one
         that stands still, which is that base itself.
-    way (N, 3): where the base's origin lies besides in the camera's frame, in a unit that nobody
-        knows, of a path that the background alone shows; None where the path is in metres.
+    unit_shift (N, 3): where the base's origin lies besides in the camera's frame, in a unit that
+        nobody knows, of a path that the background alone shows; None where that is in metres.
     """
 
     xy: Array
@@ -40,7 +40,7 @@ class Sightings:
     sigma: float
     p_hips: Array
     path: CameraPath | None = None
-    way: Array | None = None
+    unit_shift: Array | None = None
 
     @classmethod
     def of(
@@ -49,9 +49,9 @@ class Sightings:
         camera: Camera,
         frame_count: int,
         path: CameraPath | None = None,
-        way: Array | None = None,
+        unit_shift: Array | None = None,
     ) -> Sightings:
-        """What a film's keypoints show at each of its frames.  path, way: of the same frames."""
+        """What a film's keypoints show at each of its frames, of which path and unit_shift are."""
         over = keypoints.over(0, frame_count - 1)
         uv, seen_by = joints_in(over, over.uv), joints_in(over, over.visibility)
         xy = camera.back_project(uv, 1.0)[..., :2]
@@ -62,7 +62,7 @@ class Sightings:
         if over.p_hips is not None:
             p_hips = joints_in(over, over.p_hips)
         sigma = SIGMA_SHARE * _height(xy, p_hips, visibility)
-        return cls(xy, visibility, sigma, p_hips, path, way)
+        return cls(xy, visibility, sigma, p_hips, path, unit_shift)
 
     def __len__(self) -> int:
         return len(self.xy)
@@ -72,12 +72,14 @@ class Sightings:
         frames = clock.frames_at(moments)
         xy, visibility = sampled(self.xy, frames), sampled(self.visibility, frames)
         is_seen = np.isfinite(xy).all(axis=-1) & np.isfinite(visibility)
-        p_hips, path, way = sampled(self.p_hips, frames), self.path, self.way
+        p_hips, path, unit_shift = sampled(self.p_hips, frames), self.path, self.unit_shift
         inside = np.clip(frames, 0, len(self) - 1)
         path = None if path is None else path.sampled(inside)
-        way = None if way is None else sampled(way, inside)
+        unit_shift = None if unit_shift is None else sampled(unit_shift, inside)
         visibility = np.where(is_seen, visibility, 0.0)
-        return replace(self, xy=xy, visibility=visibility, p_hips=p_hips, path=path, way=way)
+        return replace(
+            self, xy=xy, visibility=visibility, p_hips=p_hips, path=path, unit_shift=unit_shift
+        )
 
     def rows(self, rows: NDArray[np.int64]) -> Sightings:
         """The same of some of its moments alone."""
@@ -90,18 +92,17 @@ class Sightings:
             visibility=self.visibility[rows],
             p_hips=self.p_hips[rows],
             path=path,
-            way=None if self.way is None else self.way[rows],
+            unit_shift=None if self.unit_shift is None else self.unit_shift[rows],
         )
 
     def Ts_camera_base(self, metres: float = 0.0) -> Array:
-        """(N, 4, 4) from the base frame to the camera's at each moment, were the unit of its way so
-        long."""
+        """(N, 4, 4) from the base frame to the camera's at each moment, were its unit so long."""
         still = np.broadcast_to(np.eye(4), (len(self), 4, 4))
         Ts = still if self.path is None else self.path.Ts_camera_world
-        if self.way is None or metres == 0:
+        if self.unit_shift is None or metres == 0:
             return Ts
         Ts = Ts.copy()
-        Ts[:, :3, 3] += metres * self.way
+        Ts[:, :3, 3] += metres * self.unit_shift
         return Ts
 
     def zoomed(self, focal: float) -> Sightings:

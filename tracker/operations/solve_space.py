@@ -137,10 +137,9 @@ def compared(problem: SpaceProblem, space_solution: SpaceSolution) -> Compared:
     skeleton, before, after = problem.skeleton, problem.motion, space_solution.motion
     films = []
     for film in problem.films:
-        shows, Ts = film.carried(skeleton, before)
-        seen, seen_after = before.carried(Ts), after.carried(Ts)
-        heights = heights_before(skeleton, film.camera, seen)
-        films.append(InPicture(skeleton, film.camera, seen, seen_after, heights, shows))
+        shows, _, (there, solved) = film.shown(skeleton, before, after)
+        heights = heights_before(skeleton, film.camera, there)
+        films.append(InPicture(skeleton, film.camera, there, solved, heights, shows))
     heights = heights_px(problem, skeleton)
     return Compared(skeleton, problem.camera, before, after, heights, films=films)
 

@@ -130,11 +130,11 @@ def _of_pin(compared: Compared, pin: Pin) -> Iterator[Harm]:
     skeleton, first = compared.skeleton, compared.tracked.first_frame
     rows = slice(pin.first_frame - first, pin.last_frame + 1 - first)
     limb = _limb(skeleton, skeleton.body.index(pin.part))
-    seen = [
+    of_films = [
         _worst(compared, pin, "picture", of[rows][:, limb], limb, most_px)
         for of, most_px in _shares(compared)
     ]
-    yield max(seen, key=lambda harm: harm.share)  # in the film that contradicts it most
+    yield max(of_films, key=lambda harm: harm.share)  # in the film that contradicts it most
     knees = [part for part in limb if skeleton.body.names[part] in KNEES]
     if knees:
         bent = compared.bent_rad[rows] / MOST_BENT_RAD

@@ -34,7 +34,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.keypoints.on_body import height_px, is_persons
 from keypose.tracker.solver.frames import LinkIn, SharedTermIn, TermIn
 from keypose.tracker.solver.least_squares import QUICK, least_squares
@@ -150,12 +150,16 @@ class FilmInSpace:
     Ts_film_first: Array
     shows: NDArray[np.bool_]
 
-    def carried(self, skeleton: Skeleton, motion: Trajectory) -> tuple[NDArray[np.bool_], Array]:
-        """Where it shows a motion of the stretch, (N,), and Ts_film_first with the first camera's
-        own frame in place of where it does not: whom a camera has behind it, it does not show."""
-        there = motion.carried(self.Ts_film_first).transforms(skeleton)
-        shows = self.shows & (self.camera.depth(there[..., :3, 3]) > LEAST_BEFORE_M).all(axis=-1)
-        return shows, np.where(shows[:, None, None], self.Ts_film_first, np.eye(4))
+    def shown(
+        self, skeleton: Skeleton, motion: Trajectory, *others: Trajectory
+    ) -> tuple[NDArray[np.bool_], Array, list[Trajectory]]:
+        """Where it shows a motion of the stretch, (N,), Ts_film_first with the first camera's own
+        frame in place of where it does not, and the motions there: whom a camera has behind it, it
+        does not show."""
+        joints = apply_transform(self.Ts_film_first, motion.transforms(skeleton)[..., :3, 3])
+        shows = self.shows & (self.camera.depth(joints) > LEAST_BEFORE_M).all(axis=-1)
+        Ts = np.where(shows[:, None, None], self.Ts_film_first, np.eye(4))
+        return shows, Ts, [each.carried(Ts) for each in (motion, *others)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,8 +337,7 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
 def _seen_in(film: FilmInSpace, problem: SpaceProblem, points: BodyPoints, wider: Array) -> Term:
     """The same in another film's picture, as far as they lie in it."""
     skeleton, camera = points.skeleton, film.camera
-    shows, Ts = film.carried(skeleton, problem.motion)
-    there = problem.motion.carried(Ts)
+    shows, Ts, (there,) = film.shown(skeleton, problem.motion)
     uv = image_points(camera, points.at(there.transforms(skeleton)))
     inside = ((uv > -0.5) & (uv < (camera.width - 0.5, camera.height - 0.5))).all(axis=-1)
     scale = 1 / (SEEN_SHARE * heights_before(skeleton, camera, there)[:, None] * wider)

@@ -386,8 +386,11 @@ class Tracker:
     def _agreed(self, segment: Segment, camera: Camera, keypoints: Keypoints) -> tuple[int, ...]:
         """The keyframes of a segment that films agree of."""
         ends = {segment.first_frame: segment.start, segment.last_frame: segment.end}
-        seen = self.skeleton, camera, keypoints, self._films
-        return tuple(frame for frame, pose in ends.items() if films_agree(frame, pose, *seen))
+        return tuple(
+            frame
+            for frame, pose in ends.items()
+            if films_agree(frame, pose, self.skeleton, camera, keypoints, self._films)
+        )
 
     def _beside(
         self, correction: Correction, method: Keypose, agreed: tuple[int, ...]

@@ -70,16 +70,19 @@ def films_seen(app_state: AppState) -> Json:
     )
     if motion is None or not of_films or not is_persons(body):
         return None
-    seen = seen_by(doc, of_films, motion.frames, motion.Ts_world_part)
+    by_films = seen_by(doc, of_films, motion.frames, motion.Ts_world_part)
     index = {name: number for number, name in enumerate(body.names)}
-    joints = seen.of_part(index.get(edit.selected or ""))
-    joints = joints if joints.any() else seen.of_part(None)
+    joints = by_films.of_part(index.get(edit.selected or ""))
+    joints = joints if joints.any() else by_films.of_part(None)
     places = review_of(doc, edit.results).places
-    chosen = {each.id: seen.best_at(each.frame, index.get(each.part or "")) for each in places}
-    sees = seen.sees(joints)
+    chosen = {each.id: by_films.best_at(each.frame, index.get(each.part or "")) for each in places}
+    sees = by_films.sees(joints)
     return {
-        "seen": {view: _runs(seen.frames, row) for view, row in zip(seen.views, sees, strict=True)},
-        "disagree": _runs(seen.frames, seen.disagree(joints)),
+        "seen": {
+            view: _runs(by_films.frames, row)
+            for view, row in zip(by_films.views, sees, strict=True)
+        },
+        "disagree": _runs(by_films.frames, by_films.disagree(joints)),
         "places": {name: view for name, view in chosen.items() if view is not None},
     }
 

@@ -134,9 +134,11 @@ function drawStrips(row) {
   const line = { y: row.y + GAP, h: LINE };
   return svg`<g class="filmstrips">
     ${drawStrip(line, [x(0), x(server.file.frames - 1)], firstId())}
-    ${films().map((film, at) => [drawStrip(stripOf(row, at), endsOf(film), film.id), drawMinima(film, stripOf(row, at))])}
+    ${films().map((film, at) => drawFilm(film, stripOf(row, at)))}
     ${(server.films_seen?.disagree ?? []).map((run) => drawDisagreement(run, row))}</g>`;
 }
+
+const drawFilm = (film, strip) => [drawStrip(strip, endsOf(film), film.id), drawMinima(film, strip)];
 
 /** The first film is the one that is none of the others. */
 const firstId = () => Object.keys(server.films_seen?.seen ?? {}).find((id) => !filmNamed(id)) ?? '';

@@ -27,8 +27,8 @@ def data_of(films: TwoFilms) -> BundleData:
 def test_its_gradient_is_that_of_its_cost(in_hand: tuple[bool, bool]) -> None:
     films = two_films(throw, 50.0, FilmClock(2.0), in_hand=in_hand)
     rng = np.random.default_rng(3)
-    way = rng.normal(0, 0.1, (len(films.film), 3)) if in_hand[1] else None
-    data = data_of(replace(films, film=replace(films.film, way=way)))
+    shift = rng.normal(0, 0.1, (len(films.film), 3)) if in_hand[1] else None
+    data = data_of(replace(films, film=replace(films.film, unit_shift=shift)))
     joints = films.joints[ROWS] + rng.normal(0, 0.03, (len(ROWS), len(JOINTS), 3))
     lengths = np.where(np.isfinite(data.lengths_m), data.lengths_m, 0.4)
     Ts = np.stack([np.eye(4), films.T_film_first])

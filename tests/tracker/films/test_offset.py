@@ -78,9 +78,9 @@ def test_how_long_the_unit_of_a_camera_s_way_is_is_found_from_the_body() -> None
     path = films.film.path
     assert path is not None
     Ts, unit_m = path.Ts_camera_world.copy(), 2.5
-    way = Ts[:, :3, 3] / unit_m
+    unit_shift = Ts[:, :3, 3] / unit_m
     Ts[:, :3, 3] = 0.0
-    turned = replace(films.film, path=CameraPath(Ts, path.zoom), way=way)
+    turned = replace(films.film, path=CameraPath(Ts, path.zoom), unit_shift=unit_shift)
     best = found_in(replace(films, film=turned))[0]
     assert best.camera.metres == pytest.approx(unit_m, rel=0.25)
     assert turned_apart_deg(best.camera.T_camera_first, films.T_film_first) < 6.0

@@ -63,8 +63,8 @@ def _seen(proportions: Proportions, pose: Pose, film: SeenInFilm) -> SeenBeside 
 def error_beside(fit: SharedFit, shared: Shared) -> float:
     """The median distance of joints from where other films show them, sigmas; 0 without any."""
     away = [
-        np.hypot(*np.split(away_beside(fit, shared, k, seen), 2))
+        np.hypot(*np.split(away_beside(fit, shared, k, row), 2))
         for k in range(len(fit.posed))
-        for seen in fit.seen_beside(k)
+        for row in fit.seen_beside(k)
     ]
     return float(np.median(np.concatenate(away))) if away else 0.0

@@ -137,8 +137,8 @@ class KeyframePictures:
         shows nothing else."""
         if not sizes_found.changed[self._focal + 2 :].any():
             return None
-        found = replace(sizes_found, changed=np.zeros_like(sizes_found.changed))
-        return _as_large(self._proposal(found, self.as_posed), sizes_found)
+        unchanged = replace(sizes_found, changed=np.zeros_like(sizes_found.changed))
+        return _as_large(self._proposal(unchanged, self.as_posed), sizes_found)
 
     def _as_set(self, pose: Pose, start: Pose) -> Pose:
         """Put back the trunk's turns to the last digit as they were set."""
@@ -210,7 +210,7 @@ def _as_large(proposal: Proposal, sizes_found: SizesFound) -> Proposal:
         for frame, pose in proposal.keyposes.items()
     }
     changes = tuple(
-        (part, what, before, larger * after) for part, what, before, after in proposal.changes
+        (part, size, before, larger * after) for part, size, before, after in proposal.changes
     )
     body = scaled(proposal.body, larger)
     return replace(proposal, body=body, keyposes=poses, changes=changes, larger=larger, apart=apart)

@@ -79,7 +79,7 @@ class FilmOfPose:
     camera: Camera
     T_film_first: Array
 
-    def carried(self, p: Array, apart: float) -> Array:
+    def before_camera(self, p: Array, apart: float) -> Array:
         """Points (M, 3) of the first camera's frame before a camera that is so much farther off."""
         R, t = self.T_film_first[:3, :3], self.T_film_first[:3, 3]
         return np.asarray(p @ R.T + apart * t)
@@ -191,7 +191,7 @@ class SharedFit:
         p = self.camera_points(shared, k, residuals)
         if film is None:
             return self.lens(shared, k).project(p)
-        return film.camera.project(film.carried(p, shared.apart))
+        return film.camera.project(film.before_camera(p, shared.apart))
 
     def with_step(self, shared: Shared, step: Array) -> Shared:
         """The shared values changed by a step (S + 2,), and where the poses are along with it."""
@@ -286,8 +286,8 @@ def _normal_block(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) 
     block = _block_of(fit, shared, k, residuals)
     block[:dofs, :dofs] += prior.A
     block[:dofs, -1] += prior.b
-    for seen in fit.seen_beside(k):
-        block += _block_of(fit, shared, k, seen.residuals, seen.film)
+    for row in fit.seen_beside(k):
+        block += _block_of(fit, shared, k, row.residuals, row.film)
     return block
 
 
@@ -352,7 +352,7 @@ def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> float:
         away = (
             residuals.along(fit.pixels(shared, k, residuals)) - residuals.target
         ) / residuals.sigma_px
-        beside = [away_beside(fit, shared, k, seen) for seen in fit.seen_beside(k)]
+        beside = [away_beside(fit, shared, k, row) for row in fit.seen_beside(k)]
         if not all(np.isfinite(each).all() for each in (away, *beside)):
             return np.inf
         total += 2 * prior + KERNEL.loss(away).sum()
@@ -360,10 +360,10 @@ def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> float:
     return 0.5 * float(total)
 
 
-def away_beside(fit: SharedFit, shared: Shared, k: int, seen: SeenBeside) -> Array:
+def away_beside(fit: SharedFit, shared: Shared, k: int, beside: SeenBeside) -> Array:
     """(M,) by how many sigmas pose k misses what another film shows."""
-    rows = seen.residuals
-    there = fit.pixels(shared, k, rows, seen.film)
+    rows = beside.residuals
+    there = fit.pixels(shared, k, rows, beside.film)
     return np.asarray((rows.along(there) - rows.target) / rows.sigma_px)
 
 
@@ -378,7 +378,7 @@ def _pose_jacobian(
         uv = image_jacobian(fit.lens(shared, k), p, J)
     else:
         R = film.T_film_first[:3, :3]
-        uv = image_jacobian(film.camera, film.carried(p, shared.apart), np.asarray(J @ R.T))
+        uv = image_jacobian(film.camera, film.before_camera(p, shared.apart), np.asarray(J @ R.T))
     return np.asarray(np.einsum("mdc,mc->md", uv, residuals.normals))
 
 

@@ -248,7 +248,7 @@ def _find_sizes(
 
 def _beside(fit: SharedFit, last: Estimate, measured: float | None) -> FoundBeside:
     """What other films tell besides the sizes."""
-    count = 1 + max(len(seen) for seen in fit.beside)
+    count = 1 + max(len(rows) for rows in fit.beside)
     if measured is None:
         return FoundBeside(count)
     shared, sizes = last.shared, fit.proportions.count

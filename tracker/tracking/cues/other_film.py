@@ -80,13 +80,16 @@ class OtherFilm:
         """A motion of the segment as the film saw it, at its own frames."""
         return self.frames.seen(motion)
 
+    def here(self, motion: Trajectory) -> Trajectory:
+        """A motion of the segment before the film's camera, at the segment's own frames."""
+        return motion.carried(self.Ts_film_first)
+
     def sight(self, motion: Trajectory) -> Sight | None:
         """What the film's keypoints say of a motion of the segment; None where it has none."""
         if self.anchors is None:
             return None
         anchors, camera = self.anchors, self.scene.camera
-        here = motion.carried(self.Ts_film_first)
-        p = anchors.where(here.transforms(self.scene.skeleton))
+        p = anchors.where(self.here(motion).transforms(self.scene.skeleton))
         away = np.linalg.norm(image_points(camera, p) - anchors.uv, axis=-1) / anchors.height_px
         from_first = p - self.Ts_film_first[:, None, :3, 3]
         aside = np.linalg.norm(np.cross(p, from_first), axis=-1)
@@ -105,7 +108,5 @@ class OtherFilm:
         """The same with smooth keypoints, their standard deviations divided by the weight."""
         if self.anchors is None:
             return self
-        here = present.carried(self.Ts_film_first)
-        return replace(
-            self, anchors=smoothed_keypoints(self.anchors, self.scene, here).weighted(weight)
-        )
+        smooth = smoothed_keypoints(self.anchors, self.scene, self.here(present))
+        return replace(self, anchors=smooth.weighted(weight))

@@ -159,7 +159,7 @@ def limb_film(
     part = part.of_skeleton(skeleton)
     if part.anchors is None:
         return part
-    there, set_right = segment.given.carried(part.Ts_film_first), segment.rows_set_right(whole)
+    there, set_right = part.here(segment.given), segment.rows_set_right(whole)
     return replace(
         part, anchors=_missing_as_near(part.anchors, there, segment, part.scene, set_right)
     )
@@ -167,7 +167,7 @@ def limb_film(
 
 def _missing_as_near(
     anchors: Anchors,
-    given: Trajectory,
+    body: Trajectory,
     segment: LimbSegment,
     scene: Scene,
     set_right: Sequence[int],
@@ -175,11 +175,11 @@ def _missing_as_near(
     """Without what the limb's keypoints miss it by at the rows where it was set right, fading from
     there.
 
-    given: the segment's own motion as the camera saw it whose keypoints these are.
+    body: the segment's own motion as the camera saw it whose keypoints these are.
     """
-    p = anchors.where(given.transforms(scene.skeleton))
+    p = anchors.where(body.transforms(scene.skeleton))
     miss = (anchors.uv - image_points(scene.camera, p))[set_right]
-    deeper = (anchors.depth - (p[..., 2] - given.ps_camera_root[:, None, 2]))[set_right]
+    deeper = (anchors.depth - (p[..., 2] - body.ps_camera_root[:, None, 2]))[set_right]
     own = np.isin(anchors.parts, segment.parts) & (anchors.scale[set_right] > 0)
     away = np.linalg.norm(miss, axis=-1) > ELSEWHERE * anchors.height_px
     near = _alike(np.arange(len(anchors.uv)), set_right)
