@@ -191,10 +191,10 @@ def require_common_motion(
 ) -> None:
     """SessionError, in a sentence, where two films could not be synchronised, or only a part."""
     name, first = (Path(each.video.path).name for each in (view, session.view))
-    for shown, film in ((best.search.film, name), (best.search.first, first)):
-        if shown.seen.sum() < FEWEST_FRAMES:
+    for sightings, film in ((best.search.film, name), (best.search.first, first)):
+        if sightings.seen.sum() < FEWEST_FRAMES:
             raise SessionError(
-                f"The person is seen well in {shown.seen.sum()} frames of {film}, and in "
+                f"The person is seen well in {sightings.seen.sum()} frames of {film}, and in "
                 f"{FEWEST_FRAMES} at least both films have to show the motion."
             )
     if (part := best.part) is not None:
@@ -223,9 +223,9 @@ def require_common_motion(
     if is_same_view(best.search, best.rate):
         raise SessionError(same_view_words(name))
     if (slowed := best.slowed) is not None:
-        slow, fast = (name, first) if slowed > 1 else (first, name)
+        slow, quick = (name, first) if slowed > 1 else (first, name)
         raise SessionError(
-            f"{slow} shows the motion {max(slowed, 1 / slowed):g} times slower than {fast}: say "
+            f"{slow} shows the motion {max(slowed, 1 / slowed):g} times slower than {quick}: say "
             "at which rate it was recorded (--recorded-fps), as slow motion is played at another."
         )
     raise SessionError(

@@ -26,13 +26,18 @@ def correlations(first: Sightings, film: Sightings, rate: float) -> tuple[Array,
     between joints change in both then, −1 to 1; NaN where too little of both is seen."""
     own, beside = distances_of(first), distances_of(film)
     count, length = len(own), (len(beside) - 1) / rate
-    least = max(FEWEST_FRAMES, LEAST_OVERLAP * min(count, length))
+    least = least_overlap(count, length)
     grid = np.arange(np.ceil(least - length), np.floor(count - least) + 1.0)
     scores = np.array(
         [alike(own, sampled(beside, FilmClock(begins, rate).frames_at(np.arange(count))), least)
          for begins in grid]
     )  # fmt: skip
     return grid, scores
+
+
+def least_overlap(count: int, length: float) -> float:
+    """The frames that films of two lengths have both to show."""
+    return max(FEWEST_FRAMES, LEAST_OVERLAP * min(count, length))
 
 
 def distances_of(film: Sightings) -> Array:

@@ -15,7 +15,13 @@ import numpy as np
 
 from keypose.tracker.films.cameras import OWN_SIGMA, FoundCamera, at_limbs_length, find_camera
 from keypose.tracker.films.epipolar import epipolar_residuals
-from keypose.tracker.films.likeness import FEWEST_FRAMES, alike, correlations, distances_of
+from keypose.tracker.films.likeness import (
+    FEWEST_FRAMES,
+    alike,
+    correlations,
+    distances_of,
+    least_overlap,
+)
 from keypose.tracker.films.rate import clocks_by_pieces, found_rate
 from keypose.tracker.films.sightings import Sightings
 from keypose.tracker.geometry.film_clock import FilmClock, sampled
@@ -156,8 +162,8 @@ class OffsetSearch:
         """Whether an offset explains what both films show."""
         own, beside = self.distances
         there = sampled(beside, offset.clock.frames_at(np.arange(len(own))))
-        score = alike(own, there, FEWEST_FRAMES)
-        return offset.cost < min(MOST_COST, MOST_COST_ALIKE * score)
+        score = alike(own, there, least_overlap(len(own), (len(beside) - 1) / offset.clock.rate))
+        return bool(offset.cost < MOST_COST and offset.cost < MOST_COST_ALIKE * score)
 
     @cached_property
     def _offsets(self) -> dict[FilmClock, FoundOffset | None]:

@@ -50,18 +50,18 @@ def found_rate(
 
     clock: about right.  fps: of the first film.
     """
-    faster, slopes = clock, None
+    running, slopes = clock, None
     for _ in range(STEPS):
-        slopes = _Slopes.of(first, film, faster, camera)
+        slopes = _Slopes.of(first, film, running, camera)
         if slopes is None:
             return None
         shift, share = slopes.step
-        faster = turned_about(faster, slopes.middle, shift, share)
+        running = turned_about(running, slopes.middle, shift, share)
     assert slopes is not None
-    share = faster.rate / clock.rate - 1
+    share = running.rate / clock.rate - 1
     drift = 0.5 * float(np.ptp(slopes.when)) * abs(share)
     is_sure = drift > LEAST_DRIFT and abs(share) > SURE_SIGMAS * slopes.sigma(fps)
-    return faster if is_sure and abs(share) <= MOST_OFF else None
+    return running if is_sure and abs(share) <= MOST_OFF else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -196,3 +196,13 @@ def test_films_of_two_parts_of_a_motion_have_no_moment_in_common() -> None:
     begins, ends = (sliced(film, rows) for film, rows in
                     ((whole.first, slice(0, 110)), (whole.film, slice(150, None))))  # fmt: skip
     assert found_in(replace(whole, first=begins, film=ends)) == ()
+
+
+@pytest.mark.parametrize("is_first_long", [True, False])
+def test_a_long_film_of_other_motions_is_refused_however_little_both_may_overlap(
+    is_first_long: bool,
+) -> None:
+    short = two_films(throw, 60.0, FilmClock())
+    long = two_films(one_after_another(speech, crossing, speech), 60.0, FilmClock())
+    first, film = (long.first, short.film) if is_first_long else (short.first, long.film)
+    assert found_in(replace(short, first=first, film=film)) == ()
