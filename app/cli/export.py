@@ -42,7 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     require_meant(order, arguments.format)
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)
-    recording = saved_motion(session, tracks, *_clock(session, arguments.session))
+    folder = arguments.session.absolute().parent
+    recording = saved_motion(session, tracks, *_clock(session, arguments.session), folder)
     files = {
         name: content
         for format_name in arguments.format

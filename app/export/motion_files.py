@@ -6,6 +6,7 @@ import io
 import zipfile
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.operations.films import errors_in_films
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.tracks import Tracks
@@ -123,19 +125,30 @@ def _bytes(content: str | bytes) -> bytes:
 
 
 def motion_archive(
-    format_name: MotionFormat, edit: EditorState, order: MotionOrder = AS_TRACKED
+    format_name: MotionFormat,
+    edit: EditorState,
+    order: MotionOrder = AS_TRACKED,
+    folder: Path | None = None,
 ) -> File:
-    """The motion as one file: several are packed into a zip. FormatError where frames lack."""
-    files = motion_files(format_name, shown_motion(edit), order)
+    """The motion as one file: several are packed into a zip. FormatError where frames lack.
+
+    folder: as of `saved_motion`.
+    """
+    files = motion_files(format_name, shown_motion(edit, folder), order)
     if len(files) == 1:
         ((name, content),) = files.items()
         return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 
-def every_format(edit: EditorState, order: MotionOrder = AS_TRACKED) -> File:
-    """The motion in every format that can hold it, in one zip; FormatError where none can."""
-    recording, files, left_out = shown_motion(edit), dict[str, bytes](), []
+def every_format(
+    edit: EditorState, order: MotionOrder = AS_TRACKED, folder: Path | None = None
+) -> File:
+    """The motion in every format that can hold it, in one zip; FormatError where none can.
+
+    folder: as of `saved_motion`.
+    """
+    recording, files, left_out = shown_motion(edit, folder), dict[str, bytes](), []
     for name in FORMATS:
         try:
             files |= motion_files(name, recording, order)
@@ -155,11 +168,17 @@ def _packed(files: Mapping[str, bytes]) -> bytes:
 
 
 def saved_motion(
-    session: Session, tracks: Tracks, times_s: Array, timecode: Timecode | None = None
+    session: Session,
+    tracks: Tracks,
+    times_s: Array,
+    timecode: Timecode | None = None,
+    folder: Path | None = None,
 ) -> Recording:
     """The motion that a session's results refer to.
 
     times_s are those of all the video's frames, timecode that of the video, where it is known.
+    folder: of the session's file, beside which keypoints are that tell the errors in each of
+    several films; None where they are not wanted.
     """
     segments = session.subject.results.segments if session.subject.results else ()
     stretches = [
@@ -167,11 +186,15 @@ def saved_motion(
         for s in segments
         for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
     ]
-    return Recording.of(session, tracks, stretches, times_s, timecode)
+    films = () if folder is None else errors_in_films(session, tracks, folder)
+    return Recording.of(session, tracks, stretches, times_s, timecode, films)
 
 
-def shown_motion(edit: EditorState) -> Recording:
-    """The motion that the page shows: of those segments that are tracked as they stand."""
+def shown_motion(edit: EditorState, folder: Path | None = None) -> Recording:
+    """The motion that the page shows: of those segments that are tracked as they stand.
+
+    folder: as of `saved_motion`.
+    """
     segment_results = sorted(
         (t for t in edit.fitting.values() if t.finished), key=lambda t: t.first
     )
@@ -184,7 +207,8 @@ def shown_motion(edit: EditorState) -> Recording:
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
     tracks = Tracks.of(segment_results, edit.skeleton)
-    return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode)
+    films = () if folder is None else errors_in_films(edit.doc, tracks, folder)
+    return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode, films)
 
 
 def _reached(first: int, last: int, unreached: Span | None) -> list[Span]:

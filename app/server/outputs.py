@@ -130,7 +130,9 @@ class Outputs:
             name_of_format = texts.pop("format", "")
             order = read_order(MotionOrder, texts)
             edit, name = self._edit(), self._store.name
-            file = await asyncio.to_thread(_motion_of, name_of_format, order, edit)
+            opened = self._store.opened
+            folder = None if opened is None else opened.session_path.absolute().parent
+            file = await asyncio.to_thread(_motion_of, name_of_format, order, edit, folder)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
         response = _download(file.content, file.media_type, f"{name}{file.suffix}")
@@ -197,12 +199,12 @@ def _person_png(edit: EditorState, video: Video, frame: int, keypoints: Keypoint
     return png(np.dstack([colour, np.round(MASK_OPACITY * share).astype(np.uint8)]))
 
 
-def _motion_of(name: str, order: MotionOrder, edit: EditorState) -> File:
+def _motion_of(name: str, order: MotionOrder, edit: EditorState, folder: Path | None) -> File:
     if name == "all":
-        return every_format(edit, order)
+        return every_format(edit, order, folder)
     (format_name,) = formats_of(name)
     require_meant(order, [format_name])
-    return motion_archive(format_name, edit, order)
+    return motion_archive(format_name, edit, order, folder)
 
 
 def _report_of(path: Path, video: Video) -> bytes:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from keypose.tracker.errors import listed
+from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.geometry.rotations import Array, transpose
 from keypose.tracker.session import Session
 from keypose.tracker.session.views import View
@@ -139,6 +142,18 @@ def by_films_words(count: int, moved_m: float) -> str:
     return (
         f"Fitted to what {count} films show: joints moved by {100 * moved_m:.0f} cm in the median."
     )
+
+
+def film_errors_words(films: Sequence[FilmErrors]) -> str:
+    """Such as "Joints lie 4 px from where front.mp4 shows them and 6 px in side.mp4, in the
+    median."; empty where no film shows any."""
+    errors = [(film.median_px, film.name) for film in films if np.isfinite(film.median_px)]
+    if not errors:
+        return ""
+    (first_px, first), *others = [(f"{px:.1f}" if px < 10 else f"{px:.0f}", n) for px, n in errors]
+    rest = [f"{px} px in {name}" for px, name in others]
+    start = f"{first_px} px from where {first} shows them"
+    return f"Joints lie {listed([start, *rest])}, in the median."
 
 
 def whom_words(people: PeopleInFilm | None, name: str) -> str:

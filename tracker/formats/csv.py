@@ -35,6 +35,9 @@ frames: what is known of every frame, and how far to trust it.
                             it, so that no spreadsheet computes it
     <part>_observability    of that step: 0, all guessed, to 1, all seen
     <part>_residual         of that step: difference of brightness, of 0 to 255
+    film_1_error_px, …      where several films show the motion: how far joints lie from where each
+                            film shows them, in its picture, the median of those that it sees
+    <joint>_films           by how many films each joint is seen
 
 What is not known is left empty: poses of frames that are not tracked, evidence where none was taken
 (such as in a preview, or of a part that is not tracked), the step after the last frame.
@@ -63,6 +66,7 @@ from keypose.tracker.formats.recording import Recording
 from keypose.tracker.formats.rotation_curves import known_smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
 
 IN_WORLD = "_world"
 """Follows a joint's name where its position is that in the world of all files."""
@@ -137,10 +141,12 @@ def frames_csv(recording: Recording) -> str:
     evidence = [f"{part}_{figure}" for figure in ("observability", "residual") for part in parts]
     steps = np.concatenate([diagnostics.observability, diagnostics.residual], axis=1)
     steps = np.concatenate([steps, np.full((1, 2 * len(parts)), np.nan)])
+    of_films, film_columns = _of_films(recording)
+    steps = np.concatenate([steps, of_films], axis=1)
     ranks = np.append(diagnostics.rank, -1)
     text = io.StringIO(newline="")
     writer = csv.writer(text)
-    writer.writerow([*_FRAME_COLUMNS, *evidence])
+    writer.writerow([*_FRAME_COLUMNS, *evidence, *film_columns])
     for i, frame in enumerate(recording.frames):
         rank = [int(ranks[i]), recording.degrees_of_freedom] if ranks[i] >= 0 else ["", ""]
         time_s = fixed_decimals([recording.times_s[i]], DECIMALS)
@@ -153,6 +159,21 @@ def frames_csv(recording: Recording) -> str:
         )
         writer.writerow([frame, *time_s, *found_here, *values])
     return text.getvalue()
+
+
+def _of_films(recording: Recording) -> tuple[Array, list[str]]:
+    """(N, columns) what several films show, and the columns' names; none of one film."""
+    films = recording.errors_by_film
+    if not films:
+        return np.zeros((len(recording), 0)), []
+    px = np.stack([film.px for film in films])
+    seen = np.isfinite(px)
+    median = np.full(px.shape[:2], np.nan)
+    shown = seen.any(axis=-1)
+    median[shown] = np.nanmedian(px[shown], axis=-1)
+    names = [f"film_{number}_error_px" for number in range(1, len(films) + 1)]
+    names += [f"{joint}_films" for joint in JOINTS]
+    return np.hstack([median.T, seen.sum(axis=0)]), names
 
 
 _FRAME_COLUMNS = (

@@ -4,7 +4,10 @@ Both have the recording's markers (`keypose.tracker.formats.marker_sets`), in th
 (`keypose.tracker.body.ground`).
 
 C3D: millimetres, as POINT:UNITS says, in single precision, good to a thousandth of a millimetre.
-Where a frame is not tracked its points have the residual −1, "invalid" in C3D. The events are heel
+Where a frame is not tracked its points have the residual −1, "invalid" in C3D. Of a motion that
+several films show, the residual of a joint is by how many millimetres it lies beside the rays on
+which their cameras see it, on average, and the camera mask says which of the first seven films do;
+0 and no camera of a point that none sees. KEYPOSE:FILMS names them. The events are heel
 strikes and toe offs of a person who walks (`keypose.tracker.space.gait`). There are no analog
 channels. Frames are evenly spaced, as C3D allows nothing else, and numbered from 1: frame 0 of the
 video is frame 1. Where the motion was low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
@@ -24,16 +27,22 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import fixed_decimals, single_words
-from keypose.tracker.formats.marker_sets import marked
+from keypose.tracker.formats.marker_sets import detected, marked, markers_of
 from keypose.tracker.formats.recording import MarkerSetName, Recording
+from keypose.tracker.geometry.rotations import Array
 
 MM_PER_M = 1000.0
 
 LAST_FRAME = 65_534
 """C3D has two bytes for a frame's number, and 65,535 there means "or later"."""
+MOST_CAMERAS: Final = 7
+"""Of which C3D can say that they see a point."""
+LARGEST_RESIDUAL: Final = 255
+"""C3D has one byte for it, in whole units of POINT:SCALE, here millimetres."""
 MOST_POINTS = 255
 """C3D has one byte for how many there are."""
 
@@ -67,12 +76,33 @@ def c3d(recording: Recording) -> bytes:
     missing = np.isnan(ps).any(axis=0)
     file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])
     marks = file["data"]["meta_points"]
-    marks["residuals"] = np.where(missing, -1.0, 0.0)[None]
-    marks["camera_masks"] = np.zeros((7, *missing.shape), dtype=np.bool_)
+    residuals_mm, masks = _seen_by_films(recording, missing.shape)
+    marks["residuals"] = np.where(missing, -1.0, residuals_mm)[None]
+    marks["camera_masks"] = masks & ~missing
+    if recording.films:
+        file.add_parameter("KEYPOSE", "FILMS", [film.name for film in recording.films])
     with tempfile.TemporaryDirectory() as folder:  # ezc3d writes to a path and nowhere else
         path = Path(folder) / "motion.c3d"
         file.write(str(path))
         return path.read_bytes()
+
+
+def _seen_by_films(recording: Recording, shape: tuple[int, ...]) -> tuple[Array, NDArray[np.bool_]]:
+    """(M, N) whole millimetres beside the films' rays, and (7, M, N) which films see a point."""
+    residuals_mm, masks = np.zeros(shape), np.zeros((MOST_CAMERAS, *shape), dtype=np.bool_)
+    if not recording.films:
+        return residuals_mm, masks
+    body = recording.skeleton.body
+    joint_of = detected(body, markers_of(body, recording.marker_set))
+    of_film = np.stack([film.aside_m for film in recording.errors_by_film])
+    for marker in np.flatnonzero(joint_of >= 0):
+        aside_mm = MM_PER_M * of_film[:, :, joint_of[marker]]
+        sees = np.isfinite(aside_mm)
+        total = np.where(sees, aside_mm, 0.0).sum(axis=0)
+        mean_mm = total / np.maximum(sees.sum(axis=0), 1)
+        residuals_mm[marker] = np.clip(np.round(mean_mm), 0, LARGEST_RESIDUAL)
+        masks[: len(sees), marker] = sees[:MOST_CAMERAS]
+    return residuals_mm, masks
 
 
 def _add_events(file: Any, recording: Recording) -> None:

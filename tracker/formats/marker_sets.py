@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.body.body import Body, Point
 from keypose.tracker.body.skeleton import Skeleton
@@ -21,6 +22,7 @@ from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import column_names
 from keypose.tracker.formats.recording import MarkerSetName, Recording
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.solver.posed import BodyPoint, BodyPoints
 
@@ -145,6 +147,18 @@ def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
     places = BodyPoints(recording.skeleton, points)
     ps_camera = places.at(recording.trajectory.transforms(recording.skeleton))
     return tuple(marker.name for marker in markers), recording.world.points(ps_camera)
+
+
+def detected(body: Body, markers: Sequence[Marker]) -> NDArray[np.int64]:
+    """(M,) which of `JOINTS` each marker is; −1 of one that no detector knows."""
+    index, parts, points = points_on_body(body, JOINTS)
+    found = np.full(len(markers), -1, np.int64)
+    for number, marker in enumerate(markers):
+        part = body.index(marker.part)
+        same = (parts == part) & np.isclose(points, marker.p_part).all(axis=-1)
+        if same.any():
+            found[number] = index[same][0]
+    return found
 
 
 def _own_markers(body: Body) -> tuple[Marker, ...]:

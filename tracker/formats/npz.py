@@ -35,6 +35,11 @@ the video's frames.
     degrees_of_freedom     ()              the rank that there can be
     observability          (N−1, P)        of the step: 0, all guessed, to 1, all seen
     residual               (N−1, P)        of the step: difference of brightness, of 0 to 255
+    film_names             (V,)            of the films of the motion, where there are several
+    film_joint_names       (12,)           of the joints that detectors know
+    film_error_px          (V, N, 12)      how far each lies from where a film shows it, in its
+                                           picture; NaN where it does not see it
+    films_seeing           (N, 12)         how many films see it
     K                      (3, 3)          the camera; pixel centres are at integers
     distortion             (5,)            k1, k2, p1, p2, k3
     image_size             (2,)            width and height, pixels
@@ -61,6 +66,7 @@ from keypose.tracker.formats.rotation_curves import known_smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.storage.archive import archive_bytes
 
 Arrays: TypeAlias = dict[str, NDArray[Any]]
@@ -72,6 +78,7 @@ def npz(recording: Recording) -> bytes:
         {
             **_poses(recording),
             **_findings(recording),
+            **_films(recording),
             **_camera(recording.camera),
             "up_camera": recording.up_camera,
             "T_world_camera": _world(recording),
@@ -127,6 +134,20 @@ def _findings(recording: Recording) -> Arrays:
         "degrees_of_freedom": _whole(recording.degrees_of_freedom),
         "observability": tracks.diagnostics.observability,
         "residual": tracks.diagnostics.residual,
+    }
+
+
+def _films(recording: Recording) -> Arrays:
+    """What several films show of the joints; nothing of one."""
+    films = recording.errors_by_film
+    if not films:
+        return {}
+    px = np.stack([film.px for film in films])
+    return {
+        "film_names": _text([film.name for film in films]),
+        "film_joint_names": _text(JOINTS),
+        "film_error_px": px,
+        "films_seeing": _whole(np.isfinite(px).sum(axis=0)),
     }
 
 

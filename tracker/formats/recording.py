@@ -17,6 +17,7 @@ from keypose.tracker.body.joint_angles import Joint, JointAngles, joint_angles
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
+from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.formats.units import Origin
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -85,6 +86,7 @@ class Recording:
     marker_set: the markers of files of markers.
     origin:    whose ground is the world of files.
     repeats:   repeated frames of the video, where its frames are those of the motion.
+    films:     how far joints lie from where each of several films shows them; none of one film.
     kept_ground: the body's ground, where these frames are part of a motion that it is of.
     """
 
@@ -109,6 +111,7 @@ class Recording:
     kept_ground: Ground | None = None
     path: CameraPath | None = None
     unscaled: tuple[tuple[int, int], ...] = ()
+    films: tuple[FilmErrors, ...] = ()
 
     @classmethod
     def of(
@@ -118,6 +121,7 @@ class Recording:
         segments: Sequence[RecordedSegment],
         times_s: Array,
         timecode: Timecode | None = None,
+        films: Sequence[FilmErrors] = (),
     ) -> Recording:
         """The motion of a session from its first keyframe to its last, or as far as it reaches.
 
@@ -146,6 +150,7 @@ class Recording:
             repeats=session.view.video.repeats,
             path=session.camera_path,
             unscaled=_unscaled(session),
+            films=tuple(films),
         )
 
     def __len__(self) -> int:
@@ -170,6 +175,12 @@ class Recording:
         """The timecode of the video's frame that is nearest to a pose."""
         nearest = round(float(self.film_frames[row]))
         return None if self.timecode is None else self.timecode.at(nearest)
+
+    @cached_property
+    def errors_by_film(self) -> tuple[FilmErrors, ...]:
+        """Those of `films` at these frames, or at the video's that are nearest: as the motion was
+        tracked, before any filter."""
+        return tuple(film.at(self.film_frames) for film in self.films)
 
     @property
     def first_file_number(self) -> int | None:

@@ -13,7 +13,13 @@ from keypose.app.export.report.derivatives import derivatives_section
 from keypose.app.export.report.gait import CONVENTIONS, clinical_charts, gait_section, legend
 from keypose.app.export.report.images import thumbnail
 from keypose.app.export.report.markup import Child, Html, element, html_page, joined, logo
-from keypose.app.export.report.subject import STATE_WORDS, Subject, recording_of, subject_of
+from keypose.app.export.report.subject import (
+    STATE_WORDS,
+    Subject,
+    errors_of_films,
+    recording_of,
+    subject_of,
+)
 from keypose.app.export.report.tables import (
     keyframes_table,
     notes_table,
@@ -26,6 +32,7 @@ from keypose.app.export.report.tables import (
 from keypose.app.posing.labels import number_text
 from keypose.app.render.studio import ViewStyle
 from keypose.app.words.camera import camera_sentence
+from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import answers_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.review.segments import JudgedSegments
@@ -260,7 +267,8 @@ def _summary(subject: Subject) -> list[str]:
     reviewed = answers_words(
         [each for each in judged_segments.reviewed if judged_segments.counts(each)]
     )
-    return [f"{outcome} {interval}", advice, *([reviewed] if reviewed else [])]
+    of_films = film_errors_words(errors_of_films(subject))
+    return [f"{outcome} {interval}", advice, *filter(None, (reviewed, of_films))]
 
 
 _STATES: Mapping[State, str] = {

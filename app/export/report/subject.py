@@ -13,8 +13,10 @@ from keypose.app.render.poses import KnownPoses
 from keypose.app.words.problems import sentence
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError, SessionError
+from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.operations.films import errors_in_films
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import Results, Span, State, load_results
@@ -148,6 +150,15 @@ def _time_by_keyframes(session: Session, frame: int) -> float:
     pace = (times_s[-1] - times_s[0]) / (frames[-1] - frames[0])
     beyond = min(frame - frames[0], 0) + max(frame - frames[-1], 0)
     return float(np.interp(frame, frames, times_s)) + pace * beyond
+
+
+def errors_of_films(subject: Subject) -> tuple[FilmErrors, ...]:
+    """How far joints lie from where each of several films shows them; nothing of one film."""
+    segment_results = [track for track in subject.fitting.values() if track.finished]
+    if not segment_results:
+        return ()
+    tracks = Tracks.of(segment_results, subject.skeleton)
+    return errors_in_films(subject.session, tracks, subject.session_path.absolute().parent)
 
 
 def recording_of(subject: Subject) -> Recording | None:

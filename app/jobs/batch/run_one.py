@@ -47,10 +47,12 @@ from keypose.app.jobs.track import found_in
 from keypose.app.jobs.wire import failure_message
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.app.words.camera import unscaled_words
+from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import row_of_place
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
+from keypose.tracker.operations.films import errors_in_films
 from keypose.tracker.review.places import review_of
 from keypose.tracker.session import Session
 from keypose.tracker.space.soles import soles_of
@@ -102,7 +104,7 @@ def export_motion(session_path: Path, export: Export) -> tuple[str, ...]:
     tracks = load_tracks(session, session_path)
     with open_video_of(session, session_path) as video:
         times_s = session.evidence.times_s(video.info.times_s)
-        recording = saved_motion(session, tracks, times_s, video.info.timecode)
+        recording = saved_motion(session, tracks, times_s, video.info.timecode, session_path.parent)
     make_folder(export.folder, error=FormatError)
     written = []
     for format_name in FORMATS:
@@ -203,6 +205,7 @@ def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summ
         summary = _reviewed(task, summary)
     elif task.film is not None:
         summary = replace(summary, notes=(BY_HAND,))
+    summary = replace(summary, notes=(*summary.notes, *_films_words(task.session)))
     if task.export is None:
         return summary
     _leave_when(stop)
@@ -213,6 +216,16 @@ def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summ
         return replace(summary, exported=export_motion(task.session, task.export))
     except FormatError as error:
         return replace(summary, state="failed", words=str(error))
+
+
+def _films_words(session_path: Path) -> tuple[str, ...]:
+    """How far joints lie from where each of several films shows them; nothing of one film."""
+    session = load_session(session_path)
+    if not session.views[1:]:
+        return ()
+    tracks = load_tracks(session, session_path)
+    words = film_errors_words(errors_in_films(session, tracks, session_path.parent))
+    return (words,) if words else ()
 
 
 def _leave_when(stop: Event) -> None:
