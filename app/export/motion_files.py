@@ -18,7 +18,7 @@ from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.operations.films import errors_in_films
+from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.tracks import Tracks

@@ -152,13 +152,13 @@ def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
 def detected(body: Body, markers: Sequence[Marker]) -> NDArray[np.int64]:
     """(M,) which of `JOINTS` each marker is; −1 of one that no detector knows."""
     index, parts, points = points_on_body(body, JOINTS)
-    found = np.full(len(markers), -1, np.int64)
+    joints = np.full(len(markers), -1, np.int64)
     for number, marker in enumerate(markers):
         part = body.index(marker.part)
         same = (parts == part) & np.isclose(points, marker.p_part).all(axis=-1)
         if same.any():
-            found[number] = index[same][0]
-    return found
+            joints[number] = index[same][0]
+    return joints
 
 
 def _own_markers(body: Body) -> tuple[Marker, ...]:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.films.errors import FilmErrors, film_errors
 from keypose.tracker.films.mend import SeenInFilm
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.film_clock import sampled
@@ -21,7 +18,6 @@ from keypose.tracker.session.views import View
 from keypose.tracker.storage.files import open_video_of
 from keypose.tracker.storage.fingerprints import background_turns, steady_camera
 from keypose.tracker.storage.sidecars import keypoints_of_session
-from keypose.tracker.storage.tracks import Tracks
 from keypose.tracker.tracking.film_beside import FilmBeside
 from keypose.tracker.tracking.prepared_film import PreparedFilm
 from keypose.tracker.video import Video
@@ -112,60 +108,28 @@ def seen_in_films(
     session: Session, keypoints: Mapping[str, Keypoints], frame: int
 ) -> list[SeenInFilm]:
     """What every film of a session shows at a frame of the first.  keypoints: by the view's id."""
-    return list(seen_over(session, keypoints, [frame])[0].values())
-
-
-def seen_over(
-    session: Session, keypoints: Mapping[str, Keypoints], frames: Sequence[int]
-) -> list[dict[str, SeenInFilm]]:
-    """The same at several frames, by the view's id."""
-    by_frame: list[dict[str, SeenInFilm]] = [{} for _ in frames]
+    sights = []
     for view in session.views:
-        if view.id not in keypoints:
+        alone, own = session.alone(view.id), view.film_clock.frames_at([frame])
+        inside = 0 <= own[0] <= view.video.frame_count - 1
+        if view.id not in keypoints or not inside:
             continue
-        alone, own = session.alone(view.id), view.film_clock.frames_at(frames)
         over = keypoints[view.id].over(0, view.video.frame_count - 1)
-        uv = sampled(joints_in(over, over.uv), own)
-        visibility = np.nan_to_num(sampled(joints_in(over, over.visibility), own))
-        for row, frame in enumerate(frames):
-            if not 0 <= own[row] <= view.video.frame_count - 1:
-                continue
-            camera = alone.film_camera.at(round(float(own[row])))
-            ideal = camera.without_distortion()
-            at = uv[row]
-            at = ideal.project(camera.back_project(at, 1.0)) if camera.is_distorted else at
-            T = T_film_first(session, view, frame)
-            by_frame[row][view.id] = SeenInFilm(ideal, T, at, visibility[row])
-    return by_frame
-
-
-def errors_in_films(session: Session, tracks: Tracks, folder: Path) -> tuple[FilmErrors, ...]:
-    """By how much a tracked motion misses what each film shows; nothing of one film alone.
-
-    folder: of the session's file.  KeyposeError where keypoints cannot be read.
-    """
-    if not session.views[1:]:
-        return ()
-    keypoints = {
-        view.id: read.corrected(view.keypoint_corrections)
-        for view in session.views
-        if (read := keypoints_of_session(session.alone(view.id), folder)) is not None
-    }
-    motion = Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
-    frames = range(motion.first_frame, motion.last_frame + 1)
-    names = {view.id: Path(view.video.path).name for view in session.views}
-    seen = seen_over(session, keypoints, frames)
-    return film_errors(Skeleton.of(session.subject.body), motion, seen, names)
+        camera = alone.film_camera.at(round(float(own[0])))
+        uv = sampled(joints_in(over, over.uv), own)[0]
+        visibility = np.nan_to_num(sampled(joints_in(over, over.visibility), own)[0])
+        ideal = camera.without_distortion()
+        uv = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
+        T = T_film_first(session, view, frame)
+        sights.append(SeenInFilm(ideal, T, uv, visibility))
+    return sights
 
 
 def seen_beside(session: Session, folder: Path) -> dict[int, list[SeenInFilm]]:
     """What all films but the first show of each keyframe, by its frame; nothing where there are no
     others.  folder: of the session's file.  KeyposeError where keypoints cannot be read."""
-    keypoints = {
-        view.id: read
-        for view in session.views[1:]
-        if (read := keypoints_of_session(session.alone(view.id), folder)) is not None
-    }
+    keypoints = keypoints_of_films(session, folder)
+    keypoints.pop(session.view.id, None)
     frames = [keyframe.frame for keyframe in session.subject.keyframes] if keypoints else []
     return {frame: seen_in_films(session, keypoints, frame) for frame in frames}
 

@@ -16,7 +16,7 @@ from keypose.tracker.errors import FormatError, SessionError
 from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.formats.recording import RecordedSegment, Recording
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.operations.films import errors_in_films
+from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import Results, Span, State, load_results

@@ -52,7 +52,7 @@ from keypose.app.words.review import row_of_place
 from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 from keypose.tracker.formats.verdict_words import verdict_words
-from keypose.tracker.operations.films import errors_in_films
+from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.review.places import review_of
 from keypose.tracker.session import Session
 from keypose.tracker.space.soles import soles_of

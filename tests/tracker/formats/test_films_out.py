@@ -16,7 +16,7 @@ import pytest
 from keypose.app.words.films import film_errors_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.films.cameras import joints_of_pose
-from keypose.tracker.films.errors import FilmErrors, film_errors
+from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.formats.csv import frames_csv
 from keypose.tracker.formats.marker_files import c3d, trc
 from keypose.tracker.formats.npz import npz
@@ -24,7 +24,8 @@ from keypose.tracker.formats.recording import MarkerSetName, Recording
 from keypose.tracker.formats.sampling import at_rate
 from keypose.tracker.geometry.film_clock import sampled
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
-from keypose.tracker.operations.films import seen_in_films, seen_over
+from keypose.tracker.operations.films import seen_in_films
+from keypose.tracker.operations.seen_by import seen_by
 from keypose.tracker.session import Session
 from keypose.tracker.session.views import Clock
 from tests.app.film_beside_cases import ID, with_film
@@ -59,11 +60,10 @@ def two_films() -> tuple[Session, dict[str, Keypoints]]:
 
 def errors() -> tuple[FilmErrors, ...]:
     session, keypoints = two_films()
-    motion = recordings.trajectory("person")
-    frames = range(motion.first_frame, motion.last_frame + 1)
+    motion, skeleton = recordings.trajectory("person"), Skeleton.of(session.subject.body)
+    frames = np.arange(motion.first_frame, motion.last_frame + 1)
     names = {view.id: f"{view.id}.mp4" for view in session.views}
-    skeleton = Skeleton.of(session.subject.body)
-    return film_errors(skeleton, motion, seen_over(session, keypoints, frames), names)
+    return seen_by(session, keypoints, frames, motion.transforms(skeleton)).errors(names)
 
 
 def filmed(marker_set: MarkerSetName = "keypose") -> Recording:
