@@ -167,34 +167,13 @@ def _of_films(recording: Recording) -> tuple[Array, list[str]]:
     if not films:
         return np.zeros((len(recording), 0)), []
     px = np.stack([film.px for film in films])
-_FRAME_COLUMNS, *evidence, *film_columns])
-    for i, frame in enumerate(recording.frames):
-        rank = [int(ranks[i]), recording.degrees_of_freedom] if ranks[i] >= 0 else ["", ""]
-        time_s = fixed_decimals([recording.times_s[i]], DECIMALS)
-        values = fixed_decimals(steps[i], DECIMALS)
-        found_here = (
-            *_finding(recording, i),
-            *rank,
-            *_sampling(recording, i),
-            _noted(recording, i),
-        )
-        writer.writerow([frame, *time_s, *found_here, *values])
-    return text.getvalue()
-
-
-def _of_films(recording: Recording) -> tuple[Array, list[str]]:
-    """(N, columns) what several films show, and the columns' names; none of one film."""
-    films = recording.errors_by_film
-    if not films:
-        return np.zeros((len(recording), 0)), []
-    px = np.stack([film.px for film in films])
     is_shown = np.isfinite(px)
     median = np.full(px.shape[:2], np.nan)
-    shown = seen.any(axis=-1)
-    median[shown] = np.nanmedian(px[shown], axis=-1)
+    anywhere = is_shown.any(axis=-1)
+    median[anywhere] = np.nanmedian(px[anywhere], axis=-1)
     names = [f"film_{number}_error_px" for number in range(1, len(films) + 1)]
     names += [f"{joint}_films" for joint in JOINTS]
-    return np.hstack([median.T, seen.sum(axis=0)]), names
+    return np.hstack([median.T, is_shown.sum(axis=0)]), names
 
 
 _FRAME_COLUMNS = (
