@@ -73,8 +73,9 @@ def estimate(
                 np.mean([len(residuals.parts) for residuals in contour_residuals.values()])
                 >= FEWEST_POINTS
             ) or bool(fit.beside)
-        all_free = fit.free[: fit.proportions.count].all()
-        fit = replace(fit, share=_favour_few(fit, shared)) if all_free else fit
+        # another film tells lengths from the distance: all may change
+        favours_few = fit.free[: fit.proportions.count].all() and not fit.beside
+        fit = replace(fit, share=_favour_few(fit, shared)) if favours_few else fit
     return Estimate(shared, spread, observable, enough, tuple(rows))
 
 
