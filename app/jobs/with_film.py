@@ -111,6 +111,8 @@ def with_film(
     )
     source: Literal["body", "file"] = "body" if synchronised.pair is None else "file"
     placed = _placed(view, best, further, source)
+    if synchronised.pair is not None:
+        placed = _measured(placed, synchronised.pair)
     if also is not None and placed.clock is not None:
         placed = placed.model_copy(update={"clock": placed.clock.model_copy(update={"also": also})})
     after = _with_view(session, placed)
@@ -176,6 +178,15 @@ def _placed(
         pieces = (motion.pieces[0].model_copy(update={"metres": float(f"{placed.metres:.7g}")}),)
         update["camera_motion"] = motion.model_copy(update={"pieces": pieces})
     return view.model_copy(update=update)
+
+
+def _measured(view: View, pair: CalibratedPair) -> View:
+    """The view with how far a calibration has its camera from the first one, where that is told."""
+    apart_m = pair.apart_m(float(np.linalg.norm(view.p_camera_world)))
+    if view.placed is None or apart_m is None:
+        return view
+    placed = view.placed.model_copy(update={"measured_m": round(apart_m, 4)})
+    return view.model_copy(update={"placed": placed})
 
 
 def _with_view(session: Session, view: View) -> Session:

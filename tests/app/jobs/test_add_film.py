@@ -281,6 +281,8 @@ def test_of_a_calibration_the_right_cameras_are_taken_and_refined(
     assert other.lens_source == "calibration"
     assert other.placed is not None
     assert other.placed.source == "file"
+    apart_m = float(np.linalg.norm(turned[:3, 3]))
+    assert other.placed.measured_m == pytest.approx(apart_m, abs=1e-3), "the file is in millimetres"
     R = other.T_camera_world[:3, :3] @ R_SIDE.T
     assert np.degrees(np.arccos(np.clip((np.trace(R) - 1) / 2, -1, 1))) < 2.5
 

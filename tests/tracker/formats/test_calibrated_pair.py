@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from keypose.tracker.formats.cameras.calibrated_pair import calibrated_pairs
+from keypose.tracker.formats.cameras.calibrated_pair import CalibratedPair, calibrated_pairs
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.references import VideoReference
 from keypose.tracker.session.views import View
@@ -46,3 +47,24 @@ def test_a_camera_is_a_film_s_where_its_name_is_a_word_of_the_file_s(
     )
     pairs = calibrated_pairs(rig, *(view_of(film) for film in films))
     assert len(pairs) == count
+
+
+@pytest.mark.parametrize(
+    ("apart", "about_m", "told_m"),
+    [
+        (4100.0, 4.0, 4.1),
+        (410.0, 4.3, 4.1),
+        (4.1, 3.7, 4.1),
+        (137.0, 4.1, None),  # squares of a board
+        (4.1, 2.0, None),
+        (0.0, 4.0, None),
+    ],
+)
+def test_how_far_cameras_stand_apart_is_told_where_a_unit_agrees_with_the_body(
+    apart: float, about_m: float, told_m: float | None
+) -> None:
+    T = np.eye(4)
+    T[0, 3] = apart
+    lens = Camera.guess(*SIZE)
+    found = CalibratedPair("rig.toml", ("a", "b"), lens, lens, T).apart_m(about_m)
+    assert found == (None if told_m is None else pytest.approx(told_m))

@@ -16,6 +16,11 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, log_rotation, transpose
 from keypose.tracker.session.views import View
 
+UNITS_M = (0.001, 0.01, 1.0)
+"""In which calibrations are: files of one kind have the unit of whoever made them."""
+MOST_SIZE = 0.25
+"""By which share a body may be off by which it is known about how far apart cameras stand."""
+
 
 @dataclass(frozen=True, eq=False)
 class CalibratedPair:
@@ -34,6 +39,16 @@ class CalibratedPair:
         """By how much the film's camera is turned from where the file has it."""
         turn = log_rotation(T_film_first[:3, :3] @ transpose(self.T_film_first[:3, :3]))
         return float(np.degrees(np.linalg.norm(turn)))
+
+    def apart_m(self, about_m: float) -> float | None:
+        """How far the cameras stand from each other, in that unit of those that files are in which
+        agrees with about how far that is; None where none does."""
+        apart = float(np.linalg.norm(self.T_film_first[:3, 3]))
+        if apart <= 0 or about_m <= 0:
+            return None
+        metres = min(UNITS_M, key=lambda unit: abs(np.log(apart * unit / about_m)))
+        agrees = abs(np.log(apart * metres / about_m)) <= MOST_SIZE
+        return apart * metres if agrees else None
 
 
 def calibrated_pairs(path: Path, first: View, film: View) -> list[CalibratedPair]:
