@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 from bench.films.between_keyframes import keyed
 from bench.films.clocks import cameras_and_clocks
+from bench.films.in_browser import counted
 from bench.films.in_rendered import rendered
 from bench.films.man import man_on_the_beam
 from bench.films.others import triangulated_by_others
@@ -23,3 +24,4 @@ def films(report: Report) -> None:
         keyed(report, man)
         alone = unattended(report, man, Path(folder))
         triangulated_by_others(report, man, alone, Path(folder))
+        counted(report, man, Path(folder))

@@ -50,8 +50,13 @@ def _made(out: Path, count: int) -> Unattended:
     if count > 1:
         quietly("add-film", str(out), str(films[1]))
     quietly("track", str(out))
-    session = load_session(out / "session.json")
-    fitting = load_results(session, out / "session.json").fitting(session)
+    return joints_of_session(out / "session.json")
+
+
+def joints_of_session(path: Path) -> Unattended:
+    """The tracked motion of a saved session."""
+    session = load_session(path)
+    fitting = load_results(session, path).fitting(session)
     motion = joined([fitting[span].trajectory for span in sorted(fitting)])
     skeleton = Skeleton.of(session.subject.body)
     _, parts, points = points_on_body(skeleton.body, JOINTS)
