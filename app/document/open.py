@@ -29,7 +29,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.history import History
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.atomic import make_folder
-from keypose.tracker.storage.edit_history import OUTSIDE, is_same_film, of_film
+from keypose.tracker.storage.edit_history import OUTSIDE, is_same_film, of_film, without_results
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.files import (
     LARGEST_SESSION_BYTES,
@@ -43,7 +43,7 @@ from keypose.tracker.storage.files import (
     video_path,
     with_present_fingerprints,
 )
-from keypose.tracker.storage.results import Results, load_results
+from keypose.tracker.storage.results import load_all_results
 from keypose.tracker.storage.sidecars import OwnMotion, carry_beside
 from keypose.tracker.surface.new_session import Reading
 from keypose.tracker.surface.source import holds_meshes
@@ -130,13 +130,11 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
     And a sentence where that cannot be read, for the keyframes are worth more than the motion.
     """
     session = opened.session
-    try:
-        results, problem = load_results(session, opened.session_path), ""
-    except SessionError as error:
-        results, problem = Results(), f"{error} The keyframes are all there: track again."
+    results, error = load_all_results(session, opened.session_path)
+    problem = f"{error} The keyframes are all there: track again." if error else ""
     opening = first_pose(session)
     state = EditorState(
-        doc=session.changed({"results": None}),
+        doc=without_results(session),
         skeleton=Skeleton.of(session.subject.body),
         file_times_s=opened.video.info.times_s,
         opening=_STANDING.of(session)(opening, session.subject.body, opened.video),

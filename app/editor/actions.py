@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias, Union
 from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
 
 from keypose.app.editor import (
+    bodies,
     body,
     camera,
     copy_paste,
@@ -26,8 +27,7 @@ from keypose.app.editor import (
 from keypose.app.editor.message import Editing, Message, PoseId, PoseName, StrokeName
 from keypose.app.posing.gesture import Coordinate
 from keypose.tracker.body.body import Name
-from keypose.tracker.session.schema import Title
-from keypose.tracker.session.settings import FrameIndex, SceneId
+from keypose.tracker.session.settings import FrameIndex, SceneId, Title
 
 SessionId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
 """Of a session among the recent ones, or of one in the trash."""
@@ -349,6 +349,7 @@ Action: TypeAlias = Editing | Running | PoseKeeping | InsertPose
 MESSAGES = tuple(
     kind
     for subject in (
+        bodies,
         body,
         camera,
         copy_paste,

@@ -25,8 +25,8 @@ from keypose.tracker.session.annotations import (
     Note,
     Reviewed,
 )
-from keypose.tracker.session.schema import Session, Title
-from keypose.tracker.session.settings import FrameIndex, Pixel
+from keypose.tracker.session.schema import Session
+from keypose.tracker.session.settings import FrameIndex, Pixel, Title
 
 DECIMALS = 2
 NoteText: TypeAlias = Annotated[str, Field(max_length=LONGEST)]

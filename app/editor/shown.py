@@ -113,6 +113,16 @@ def ghost_transforms(state: EditorState, frame: int, pose: Pose) -> Array:
     return np.asarray(state.doc.film_camera.parts_seen_at(state.frame, Ts[None], [frame])[0])
 
 
+def transforms_beside(state: EditorState) -> dict[str, Array]:
+    """Ts_camera_part (P, 4, 4) at the present frame of each body that is not posed, by its id."""
+    beside = [body.id for body in state.doc.bodies if body.id != state.doc.subject.id]
+    alone = {body_id: state.about(body_id) for body_id in beside}
+    return {
+        body_id: pose_transforms(each.skeleton, shown_pose(each).pose)
+        for body_id, each in alone.items()
+    }
+
+
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
     """The one at this frame."""
     return next((pose for pose in poses if pose.frame == frame), None)

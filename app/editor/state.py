@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin, pins_apart
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
+from keypose.tracker.storage.fingerprints import ById
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 from keypose.tracker.storage.sidecars import OwnMotion
 
@@ -224,12 +225,21 @@ class EditorState:
         at = self.frame if frame is None else frame
         return replace(self.with_doc(doc), history=self.history.after(self.doc, label, at))
 
+    def about(self, body_id: str) -> EditorState:
+        """The same as if one of its bodies were the only one: no gesture is under way."""
+        if len(self.settled.bodies) == 1:
+            return self
+        doc, skeleton, opening = _alone(ById(self.settled), body_id)
+        return replace(self._of_no_body(), doc=doc, skeleton=skeleton, opening=opening, stroke=None)
+
     def with_doc(self, doc: Session) -> EditorState:
         """The same with another document, but for what it makes outdated of what was tracked
         ahead; the skeleton is rebuilt only for another body."""
         doc = up_to_date(doc)
         if doc.subject.pins is not self.doc.subject.pins:
             self = replace(self, proposed_pins=self.proposals)
+        if doc.subject.id != self.doc.subject.id:
+            self = self._of_no_body()
         if doc.subject.body is self.doc.subject.body:
             return replace(self, doc=doc, opening=self._opening_for(doc))
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.subject.body))
@@ -237,8 +247,28 @@ class EditorState:
             return changed
         return replace(changed, opening=first_pose(doc))
 
+    def _of_no_body(self) -> EditorState:
+        """The same without what is known of the body that was posed until now."""
+        motion = replace(self.motion.without_previews(), bent=None)
+        return replace(
+            self,
+            motion=motion,
+            compared=None,
+            proposed_pins=(),
+            dismissed_pins=(),
+            own_motion=None,
+            posed_by_corners=(),
+        )
+
     def _opening_for(self, doc: Session) -> Pose:
         """Where the body stands before it is posed: as large with another lens."""
         if doc.view.camera is self.doc.view.camera or doc.view.surface is not None:
             return self.opening
         return first_pose(doc)
+
+
+@lru_cache(maxsize=32)
+def _alone(session: ById, body_id: str) -> tuple[Session, Skeleton, Pose]:
+    """Cached: asked for at every frame, of every body."""
+    doc: Session = session.it.about(body_id)
+    return doc, Skeleton.of(doc.subject.body), first_pose(doc)

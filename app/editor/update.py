@@ -186,7 +186,7 @@ def _at_neighbour(
 def _at_step(state: EditorState, step: Step, history: History, action: str) -> EditorState:
     require_sound(state.doc, step.doc, action)
     changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
-    return _still_there(changed)
+    return still_there(changed)
 
 
 def _is_under_way(state: EditorState, stroke: str | None) -> bool:
@@ -211,7 +211,7 @@ def cancel_stroke(state: EditorState) -> EditorState:
     stroke = state.stroke
     if stroke is None:
         return state
-    return _still_there(_without_stroke(state.with_doc(stroke.before), stroke))
+    return still_there(_without_stroke(state.with_doc(stroke.before), stroke))
 
 
 def _without_stroke(state: EditorState, stroke: Stroke) -> EditorState:
@@ -239,14 +239,14 @@ def _edit(state: EditorState, action: Edit) -> EditorState:
     if action.stroke is not None:
         require_sound(before.doc, doc, label)
         stroke = Stroke(action.stroke, before.doc, label, state.frame, readout)
-        return _still_there(replace(state.with_doc(doc), stroke=stroke))
+        return still_there(replace(state.with_doc(doc), stroke=stroke))
     if doc is state.doc or doc == state.doc:
         return state
-    changed = _still_there(state.with_step(doc, label))
+    changed = still_there(state.with_step(doc, label))
     return changed if readout is None else with_corners(changed, readout.corners)
 
 
-def _still_there(state: EditorState) -> EditorState:
+def still_there(state: EditorState) -> EditorState:
     """A part that the body does not have any more is not selected any more."""
     gone = state.selected is not None and state.selected not in state.doc.subject.body.names
     return replace(state, selected=None) if gone else state

@@ -55,6 +55,7 @@ class Track(Job):
 
     folder: of the session's file, where its imported motion lies.
     verbs: what is done, and has been: "Tracking", "Tracked".
+    whose: " of Anna", where there are several bodies.
     """
 
     session: bytes
@@ -63,6 +64,7 @@ class Track(Job):
     stages: tuple[Quality, ...]
     folder: str = ""
     verbs: tuple[str, str] = ("Tracking", "Tracked")
+    whose: str = ""
 
     kind = "track"
     fault = "Tracking failed with an internal error ({}). Finished work is kept; try again."
@@ -76,6 +78,7 @@ class Track(Job):
         wanted: Sequence[Wanted],
         stages: Sequence[Quality] = ("full",),
         folder: Path | None = None,
+        whose: str = "",
     ) -> Self:
         """The published method knows no qualities: once is enough."""
         words, paper = session.evidence.words, session.settings.method == "paper"
@@ -86,6 +89,7 @@ class Track(Job):
             tuple(stages)[-1:] if paper else tuple(stages),
             "" if folder is None else str(folder),
             (words.doing.capitalize(), words.done.capitalize()),
+            whose,
         )
 
     @property
@@ -102,7 +106,7 @@ class Track(Job):
 
     @property
     def title(self) -> str:
-        return f"{self.verbs[0]} {spans_text(self.spans)}"
+        return f"{self.verbs[0]} {spans_text(self.spans)}{self.whose}"
 
     def run(self, context: Context) -> None:
         """The first error is raised last: it does not stop the other segments."""

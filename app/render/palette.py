@@ -25,6 +25,15 @@ SIDE_COLOURS: dict[Side, Colour] = {
     "right": (255, 157, 108),
     "middle": (217, 213, 199),
 }
+BODY_COLOURS: tuple[Colour, ...] = (
+    (94, 200, 183),
+    (233, 131, 188),
+    (222, 197, 84),
+    (146, 196, 98),
+    (235, 128, 116),
+    (128, 158, 240),
+)
+"""Of the bodies of a session that are not posed, by their place among all; then from the start."""
 INK: Colour = (24, 27, 33)
 PAPER: Colour = (244, 245, 247)
 GRID: Colour = (226, 229, 234)
@@ -33,6 +42,11 @@ TEXT: Colour = (67, 74, 84)
 GAP: Colour = (16, 17, 20)
 WHITE: Colour = (255, 255, 255)
 AXIS_COLOURS: dict[str, Colour] = {"x": (205, 72, 66), "y": (58, 143, 74), "z": (58, 112, 206)}
+
+
+def body_colour(place: int) -> Colour:
+    """The colour of a body by its place among all of a session."""
+    return BODY_COLOURS[place % len(BODY_COLOURS)]
 
 
 def side_of(body: Body, name: str) -> Side:

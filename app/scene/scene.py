@@ -81,6 +81,15 @@ class Trail:
 
 
 @dataclass(frozen=True, eq=False)
+class BodyBeside:
+    """A body that is not posed, where its parts are, (P, 4, 4), and its colour."""
+
+    body: Body
+    Ts_camera_part: Array
+    colour: Colour
+
+
+@dataclass(frozen=True, eq=False)
 class Scenery:
     """All there is to see at one moment.
 
@@ -88,6 +97,7 @@ class Scenery:
     selected:  names of parts.
     opacity:   of the body over the picture, 0 to 1.
     ghosts:    up to three other poses (frame, Ts_camera_part), as `editor.shown.ghosts` has them.
+    beside:    the other bodies of the scene.
     before:    another body and its Ts_camera_part, drawn as an outline to compare with.
     Rs_view_camera: (3, 3) of the small views; of those not named the usual ones.
     telephoto: rays to the camera are parallel.
@@ -99,6 +109,7 @@ class Scenery:
     mode: Mode = "both"
     opacity: float = 0.5
     ghosts: tuple[tuple[int, Array], ...] = ()
+    beside: tuple[BodyBeside, ...] = ()
     before: tuple[Body, Array] | None = None
     trail: Trail | None = None
     Rs_view_camera: dict[Role, Array] = field(default_factory=dict)
@@ -142,6 +153,7 @@ class Stage:
         self._drawn: Scenery | None = None
         self._outline: Outline | None = None
         self._parts: list[PartNodes] = []
+        self._beside: list[tuple[Body, list[PartNodes]]] = []
         self._lines: dict[str, LineSegmentsHandle] = {}
         self._skins = SkinNodes(self._scene)
         self._only_for: dict[str, tuple[Role, ...]] = {}
@@ -182,6 +194,8 @@ class Stage:
                 self._draw_outlines(scenery)
             if was is None or new_body or new_sides or was.ghosts is not scenery.ghosts:
                 self._draw_ghosts(scenery)
+            if was is None or new_sides or new_looks or was.beside is not scenery.beside:
+                self._draw_beside(scenery)
             if was is None or new_sides or was.before is not scenery.before:
                 self._draw_before(scenery)
             if was is None or was.trail is not scenery.trail:
@@ -215,6 +229,7 @@ class Stage:
             for lines in ("outline", "held"):
                 self._reserve(f"{ROOT}/{lines}/{role}", (role,))
             self._reserve(f"{ROOT}/before/{role}", (role,))
+            self._reserve(f"{ROOT}/around/{role}", (role,))
             for number in range(len(GHOST_COLOURS)):
                 self._reserve(f"{ROOT}/ghost/{number}/{role}", (role,))
 
@@ -242,18 +257,42 @@ class Stage:
             return
         for nodes in self._parts:
             nodes.frame.remove()
-        self._parts = []
+        self._parts = self._add_parts(f"{ROOT}/body", body)
+        if self._drawn is not None:
+            self._draw_pose(self._drawn.Ts_camera_part)
+
+    def _add_parts(self, below: str, body: Body) -> list[PartNodes]:
+        """The nodes of a body's parts, each kept out of the views that must not show it."""
+        parts = []
         for number, part in enumerate(body.parts):
-            name = f"{ROOT}/body/{number}"
+            name = f"{below}/{number}"
             for child in OVERLAY_ONLY:
                 self._reserve(f"{name}/{child}", ("main",))
             for child in SOLID_ONLY:
                 self._reserve(f"{name}/{child}", _OPAQUE)
             for child in FREE_ONLY:
                 self._reserve(f"{name}/{child}", ("free",))
-            self._parts.append(PartNodes.add(self._scene, name, part.shape))
-        if self._drawn is not None:
-            self._draw_pose(self._drawn.Ts_camera_part)
+            parts.append(PartNodes.add(self._scene, name, part.shape))
+        return parts
+
+    def _draw_beside(self, scenery: Scenery) -> None:
+        """The bodies that are not posed: new nodes where one of them is another body."""
+        if [body for body, _ in self._beside] != [each.body for each in scenery.beside]:
+            for _, parts in self._beside:
+                for nodes in parts:
+                    nodes.frame.remove()
+            self._beside = [
+                (each.body, self._add_parts(f"{ROOT}/beside/{number}", each.body))
+                for number, each in enumerate(scenery.beside)
+            ]
+        for each, (_, parts) in zip(scenery.beside, self._beside, strict=True):
+            turns = quaternion_wxyz(each.Ts_camera_part[:, :3, :3])
+            for nodes, wxyz, T in zip(parts, turns, each.Ts_camera_part, strict=True):
+                nodes.set_look(each.colour, False, scenery.mode, scenery.opacity)
+                nodes.set_pose(wxyz, T[:3, 3])
+        for role in _OUTLINED:
+            lines, colours = _lines_beside(scenery, role)
+            self._put(f"{ROOT}/around/{role}", lines, colours, LINE_PX)
 
     def _draw_looks(self, scenery: Scenery) -> None:
         sides = part_sides(scenery.body)
@@ -335,6 +374,19 @@ def _body_lines(
         for T, lines in zip(Ts_camera_part, map(_rims, body.parts), strict=True)
     ]
     return np.concatenate([outline.lines(Ts_camera_part, rays), *rims]).astype(np.float32)
+
+
+def _lines_beside(scenery: Scenery, role: Role) -> tuple[Segments, Array]:
+    """The lines (N, 2, 3) where round sides of the bodies that are not posed turn away from a view,
+    camera frame, and the colours (N, 2, 3) of their ends."""
+    tint = light if role == "main" else dark
+    lines = [np.zeros((0, 2, 3), dtype=np.float32)]
+    colours = [np.zeros((0, 2, 3))]
+    for each in scenery.beside:
+        own = Outline.of(each.body).lines(each.Ts_camera_part, scenery.rays(role))
+        lines.append(own)
+        colours.append(np.broadcast_to(tint(each.colour), own.shape))
+    return np.concatenate(lines), np.concatenate(colours)
 
 
 def _rims(part: Part) -> Segments:

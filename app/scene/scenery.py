@@ -8,9 +8,10 @@ import numpy as np
 
 from keypose.app.editor.documents import unchanged
 from keypose.app.editor.frames import views_of
-from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose
+from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose, transforms_beside
 from keypose.app.editor.state import EditorState
-from keypose.app.scene.scene import Scenery, Trail
+from keypose.app.render.palette import body_colour
+from keypose.app.scene.scene import BodyBeside, Scenery, Trail
 from keypose.app.scene.viser_compat import Role
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import pose_transforms
@@ -41,6 +42,11 @@ class SceneryMaker:
             ghosts=self._once("ghosts", (*around, settled.camera_path), lambda: _ghosts(edit)),
             trail=self._once("trail", (trail, edit.frame), lambda: _trail(trail, edit.frame)),
             Rs_view_camera=self._once("views", _where(edit), lambda: _views(edit)),
+            beside=self._once(
+                "beside",
+                (edit.settled, edit.frame, edit.results),
+                lambda: _beside(edit),
+            ),
             before=self._once(
                 "before", (edit.compared, edit.frame, edit.results), lambda: _before(edit)
             ),
@@ -76,6 +82,15 @@ def _ghosts(edit: EditorState) -> Ghosts:
     if not edit.display.ghosts:
         return ()
     return tuple((frame, ghost_transforms(edit, frame, pose)) for frame, pose in ghosts(edit))
+
+
+def _beside(edit: EditorState) -> tuple[BodyBeside, ...]:
+    """The bodies that are not posed, each in its colour."""
+    places = {body.id: (place, body.body) for place, body in enumerate(edit.doc.bodies)}
+    return tuple(
+        BodyBeside(places[body_id][1], Ts, body_colour(places[body_id][0]))
+        for body_id, Ts in transforms_beside(edit).items()
+    )
 
 
 def _before(edit: EditorState) -> tuple[Body, Array] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
@@ -25,7 +26,7 @@ from keypose.app.export.motion_formats import formats_of, require_meant
 from keypose.app.orders.drawing import PicturesOrder, Viewpoint
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import read_order
-from keypose.app.posing import InView, outline, parts_at
+from keypose.app.posing import InView, PointerView, outline, parts_at
 from keypose.app.posing.gesture import Spot
 from keypose.app.render.stills import from_viewpoint
 from keypose.app.render.studio import ViewStyle, png, snapshot
@@ -171,10 +172,25 @@ def _copied_text(edit: EditorState | None, question: CopiedText) -> str | None:
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
     view = pointer_views(edit.doc, edit.frame, question.eye, question.film)[question.view]
+    parts, edge = _parts_of(edit, view, question.at)
+    if parts:
+        return {"parts": list(parts), "outline": edge, "body": None}
+    for body in edit.doc.bodies:
+        alone = edit.about(body.id)
+        there, edge = _parts_of(alone, view, question.at)
+        if there and body.id != edit.doc.subject.id:
+            return {"parts": [], "outline": edge, "body": body.id}
+    return {"parts": [], "outline": [], "body": None}
+
+
+def _parts_of(
+    edit: EditorState, view: PointerView, at: Sequence[float]
+) -> tuple[tuple[str, ...], list[list[float]]]:
+    """The parts of a body at a place, front to back, and the outline of the first."""
     pose = shown_pose(edit).pose
-    parts = parts_at(edit.skeleton, pose, view, question.at)
+    parts = parts_at(edit.skeleton, pose, view, at)
     edge = outline(edit.skeleton, pose, view, parts[0]).round(4).tolist() if parts else []
-    return {"parts": list(parts), "outline": edge}
+    return parts, edge
 
 
 def _named(order: PicturesOrder) -> str:

@@ -26,7 +26,7 @@ from keypose.app.working.owner import StateOwner
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.storage.atomic import make_folder
 from keypose.tracker.storage.edit_history import Received
-from keypose.tracker.storage.results import save_results, tidy_tracks
+from keypose.tracker.storage.results import save_all_results, tidy_tracks
 
 Identity: TypeAlias = tuple[int, int]
 
@@ -287,7 +287,7 @@ class SessionWriter:
             edit_log.save(edit_log.as_written(doc), path)
         edit_log.write()
         self._loop.call_soon_threadsafe(edit_log.call_written)
-        session = save_results(doc, path, edit.results)
+        session = save_all_results(doc, path, edit.results)
         theirs = edit_log.save(session, path)
         if theirs is not None:
             message = (

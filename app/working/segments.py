@@ -1,4 +1,5 @@
-"""Segments are tracked: those asked for, those that follow an edit, and again after a fit."""
+"""Segments are tracked: those asked for, those that follow an edit, and again after a fit; of
+several bodies one after the other, the one that is posed first."""
 
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.track import Track, Tracked
 from keypose.app.state.app_state import Running
 from keypose.app.state.job_state import JobState
+from keypose.app.words.bodies import of_body
 from keypose.app.working.owner import StateOwner
 from keypose.app.working.queue import Item, Priority, WorkQueue
 from keypose.tracker.session.schema import Session
@@ -43,31 +45,61 @@ class SegmentTracker:
         """All that was ordered together with what waits."""
         self._follows: frozenset[Span] = frozenset()
         """What is tracked since a gesture with live on ended."""
-        self.running: dict[Span, Running] = {}
+        self._running: dict[Span, Running] = {}
+        self._body = ""
+        """The id of the body whose segments these are."""
+        self._bodies_left: tuple[str, ...] = ()
+        """The bodies that are tracked after it."""
+        self._scope: Scope = "changed"
+        self._frames: Span | None = None
+
+    @property
+    def running(self) -> dict[Span, Running]:
+        """The segments of the body that is posed that are at work, or wait."""
+        edit = self._host.app_state.edit
+        return self._running if edit and edit.doc.subject.id == self._body else {}
 
     def closed(self) -> None:
         """No session is open any more."""
         self._waiting = self._interrupted = self._follows = frozenset()
-        self._order, self.running = None, {}
+        self._order, self._running, self._bodies_left = None, {}, ()
 
     def track(self, scope: Scope, frames: Span | None = None) -> None:
-        """Track, between two frames where they are given; refused with the reason where there is
+        """Track, between two frames where they are given: the body that is posed and, unless that
+        is only about the present segment, all others. Refused with the reason where there is
         nothing to do."""
         edit = self._host.app_state.editing
-        if not edit.doc.spans:
+        posed = edit.doc.subject.id
+        others = [body.id for body in edit.doc.bodies if body.id != posed]
+        bodies = (posed,) if scope == "this" else (posed, *others)
+        if not any(edit.about(body_id).doc.spans for body_id in bodies):
             raise ActionRefused(why_nothing_to_do(edit.doc))
-        wanted = _spans_to_track(edit, scope, frames)
-        if not wanted:
+        self._scope, self._frames, self._bodies_left = scope, frames, bodies
+        if not self._next_body():
             done = edit.doc.evidence.words.done
             there = "" if frames is None else f" within {frames[0]}–{frames[1]}"
             raise ActionRefused(f"All segments{there} are {done} and up to date.")
-        self._start(edit.doc, wanted, (edit.doc.settings.quality,))
+
+    def _next_body(self) -> bool:
+        """Track the next of the bodies that are left of which there is something to do."""
+        edit = self._host.app_state.editing
+        while self._bodies_left:
+            body_id, *left = self._bodies_left
+            self._bodies_left = tuple(left)
+            if body_id not in {body.id for body in edit.doc.bodies}:
+                continue
+            alone = edit.about(body_id)
+            wanted = _spans_to_track(alone, self._scope, self._frames)
+            if wanted:
+                self._start(alone.doc, wanted, (edit.doc.settings.quality,))
+                return True
+        return False
 
     def changed(self, before: EditorState) -> None:
         """The document changed: what has no keyframes any more is tracked no further; with live on,
         what it made outdated is tracked at once."""
         doc = self._host.app_state.editing.doc
-        if self.running and not self._queue.is_held and not {*self.running} & {*doc.spans}:
+        if self._running and not self._queue.is_held and not {*self._running} & self._spans():
             self._queue.cancel()
         if before.doc is doc and previewed_spans(before):
             self._host.know(let_go(before))
@@ -81,28 +113,41 @@ class SegmentTracker:
             self._start(doc, wanted, (*stages, doc.settings.quality))
             self._follows = frozenset((first, last) for first, last, _ in wanted)
 
+    def _spans(self) -> set[Span]:
+        """The segments that the body at work has by now; none where it is not there any more."""
+        edit = self._host.app_state.editing
+        if self._body not in {body.id for body in edit.doc.bodies}:
+            return set()
+        return {*edit.about(self._body).doc.spans}
+
     def dragged(self) -> None:
         """A hand moved keyframes, with live on: what followed the last gesture, and this one
         outdates, is tracked no further."""
         previewed = previewed_spans(self._host.app_state.editing)
         if self._is_at_work() and self._follows and self._follows <= {*previewed}:
-            self.running, self._follows = {}, frozenset()
+            self._running, self._follows = {}, frozenset()
             self._queue.release()
 
     def go_on(self) -> None:
         """Track what waited for a fit, and again what that made outdated of the same order."""
         edit = self._host.app_state.edit
         if edit is None or not (self._waiting or self._interrupted):
+            if edit is not None:
+                self._next_body()
             return
-        outdated = {(first, last) for first, last, _ in edit.results.wanted(edit.settled)}
-        waiting = self._waiting | (self._interrupted & outdated)
+        waiting, interrupted = self._waiting, self._interrupted
         self._waiting = self._interrupted = frozenset()
-        self.running = {}
-        keys = segment_keys(edit.settled)
-        wanted = [(*span, key) for span, key in keys.items() if span in waiting]
+        self._running = {}
+        wanted: list[Wanted] = []
+        if self._spans():
+            alone = edit.about(self._body).settled
+            outdated = {(first, last) for first, last, _ in edit.results.wanted(alone)}
+            waiting |= interrupted & outdated
+            keys = segment_keys(alone)
+            wanted = [(*span, key) for span, key in keys.items() if span in waiting]
         if wanted:
-            self._start(edit.settled, wanted, self._stages)
-        else:
+            self._start(alone, wanted, self._stages)
+        elif not self._next_body():
             self._queue.show_waiting()
 
     @property
@@ -121,20 +166,30 @@ class SegmentTracker:
             await asyncio.sleep(0.02)
 
     def _start(self, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]) -> None:
-        self._stages = tuple(stages)
+        """doc: about the body whose segments are wanted."""
+        if self._body != doc.subject.id:
+            if self._waiting or self._is_at_work():
+                self._bodies_left = (self._body, *self._bodies_left)
+            self._waiting = self._interrupted = frozenset()
+        self._stages, self._body = tuple(stages), doc.subject.id
         if self._queue.is_held:
             self._waiting |= {(first, last) for first, last, _ in wanted}
-            self.running = dict.fromkeys(self._waiting, Running())
+            self._running = dict.fromkeys(self._waiting, Running())
             self._queue.show_waiting()
             return
         opened = self._host.opened
         assert opened is not None
         place, folder = opened.video.info.path, opened.session_path.parent
-        order = Track.of(doc, place, wanted, stages, folder)
+        whole = self._host.app_state.editing.settled
+        order = Track.of(doc, place, wanted, stages, folder, of_body(whole, doc.subject.id))
         self._begins()
         self._order, self._follows = None, frozenset()
-        self._keep = tuple(segment_keys(doc).values())
-        self.running = dict.fromkeys(order.spans, Running())
+        self._keep = tuple(
+            key
+            for body in whole.bodies
+            for key in segment_keys(self._host.app_state.editing.about(body.id).settled).values()
+        )
+        self._running = dict.fromkeys(order.spans, Running())
         item = Item(
             order,
             Priority.PERSON,
@@ -149,8 +204,8 @@ class SegmentTracker:
     def _left(self, order: Track) -> None:
         """Something else is at work: another order, or a fit, for which this waits."""
         if order is self._order:
-            self._waiting, self._interrupted = frozenset(self.running), frozenset(order.spans)
-            self.running = dict.fromkeys(self._waiting, Running())
+            self._waiting, self._interrupted = frozenset(self._running), frozenset(order.spans)
+            self._running = dict.fromkeys(self._waiting, Running())
 
     def _is_at_work(self) -> bool:
         at_work = self._queue.at_work
@@ -175,16 +230,18 @@ class SegmentTracker:
     def _on_tracked(self, step: Tracked) -> None:
         event, span = step.found, step.found.result.span
         if not isinstance(event, SegmentFinished):
-            running = self.running.get(span, Running())
+            running = self._running.get(span, Running())
             scores = (*(running.scores if event.number else ()), event.score)
             number, of = event.number + 1, max(event.of, event.number + 1)
             at_work = Running("tracking", number, of, int(100 * step.share), scores)
-            self.running = {**self.running, span: at_work}
+            self._running = {**self._running, span: at_work}
         elif step.share >= 1:
-            self.running = {key: run for key, run in self.running.items() if key != span}
+            self._running = {key: run for key, run in self._running.items() if key != span}
 
     def _ended(self, end: Ended, order: Track) -> JobState:
-        self.running = {}
+        self._running = {}
+        if isinstance(end, Failed) or end.cancelled:
+            self._bodies_left = ()
         if isinstance(end, Failed):
             return JobState("failed", order.failed, end.words, 100)
         return order.closing(end.cancelled, self._host.app_state.editing.results)

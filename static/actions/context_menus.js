@@ -57,6 +57,7 @@ export const CONTEXTS = {
       ['addFilm', 'removeFilm'],
     ],
   },
+  body: { title: 'a body', groups: [['poseBody', 'nameBody', 'removeBody']] },
 };
 
 /** Of a pair the one that fits the frame stands in a menu. */
@@ -86,6 +87,9 @@ export function filmEntries(film) {
   const ids = CONTEXTS.film.groups.flat().filter((id) => id !== 'addFilm');
   return contextEntries('film', Object.fromEntries(ids.map((id) => [id, film])));
 }
+
+/** The entries of a body's menu. @param {string} id */
+export const bodyEntries = (id) => contextEntries('body', { poseBody: id, nameBody: id, removeBody: id });
 
 /** One entry: its key where that does the same, or why it cannot be done. */
 function entry(id, about) {

@@ -4,6 +4,7 @@
 
 import { words } from '../store/clip.js';
 import { ANGLES, DRAGGING, TOOLS, VIEW } from './table/view.js';
+import { BODIES } from './table/bodies.js';
 import { CAMERA } from './table/camera.js';
 import { EXPORT, MOTION } from './table/export.js';
 import { FILMS } from './table/films.js';
@@ -18,7 +19,7 @@ const FILE = { ...SESSION, ...MOTION, ...EXPORT, ...THEME };
 /** In the order of the sheet of keys; without a title a group is not on it. */
 export const GROUPS = [
   { title: () => 'Frames', actions: { ...FRAMES, ...NOTES } },
-  { title: () => 'Pose', actions: { ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS } },
+  { title: () => 'Pose', actions: { ...KEYFRAMES, ...POSE, ...HISTORY, ...PINS, ...BODIES } },
   { title: () => words().verb, actions: { ...TRACK, ...REVIEW, ...CAMERA, ...FILMS } },
   { title: () => 'Tools', actions: TOOLS },
   { title: () => 'Views', actions: { ...VIEW, ...ANGLES } },
@@ -33,6 +34,7 @@ export const ACTIONS = {
   ...POSE,
   ...HISTORY,
   ...PINS,
+  ...BODIES,
   ...TRACK,
   ...REVIEW,
   ...CAMERA,

@@ -2,6 +2,7 @@
 
 import { count, range } from '../controls/words.js';
 import { chosenFrames, fewestKeys, isSurface, lastFrame, tooFewWords, words } from '../store/clip.js';
+import { bodies } from '../store/bodies.js';
 import { send } from '../store/link.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server } from '../store/state.js';
@@ -53,16 +54,23 @@ export function namesOf(segments) {
   return segments.map((s) => range(s.first, s.last)).join(', ');
 }
 
-export const whyNotTrack = () => ((server.keys?.frames.length ?? 0) < fewestKeys() ? tooFewWords() : '');
+const whyNotThisBody = () => ((server.keys?.frames.length ?? 0) < fewestKeys() ? tooFewWords() : '');
+
+/** Whether a body that is not posed has segments to track. */
+const hasOthers = () => bodies().some(({ posed, open }) => !posed && open > 0);
+
+export const whyNotTrack = () => (hasOthers() ? '' : whyNotThisBody());
 
 /** The same of the segments between the in and the out point. */
 export const whyNotTrackChosen = () =>
-  whyNotTrack() ||
-  (chosenSegments().length ? '' : `No segment reaches between the in and the out point${chosenTail()}`);
+  hasOthers()
+    ? ''
+    : whyNotThisBody() ||
+      (chosenSegments().length ? '' : `No segment reaches between the in and the out point${chosenTail()}`);
 
 export function whyNotTrackChanged() {
   const why = whyNotTrackChosen();
-  if (why || changedSegments().length) return why;
+  if (why || changedSegments().length || hasOthers()) return why;
   return server.job?.state === 'running'
     ? `${words().doing} already`
     : `All segments${chosenTail().replace(',', ' within')} are up to date`;
@@ -116,7 +124,7 @@ export function isUnderWay({ kind }) {
 
 /** Of a segment, by default the one of the playhead. */
 export const whyNotTrackThis = (segment = segmentAt(frame())) =>
-  whyNotTrack() || (segment ? '' : 'This frame lies outside the keyframes');
+  whyNotThisBody() || (segment ? '' : 'This frame lies outside the keyframes');
 
 /** A segment is tracked from within: the playhead goes there first. By default that of the playhead. */
 export function trackSegment(segment = null) {

@@ -2,6 +2,7 @@
 // after a moment.
 
 import { server, ui, setUi } from '../store/state.js';
+import { bodyNamed } from '../store/bodies.js';
 import { ask } from '../store/link.js';
 import { interaction, redrawSoon } from './interaction.js';
 import { isDrawingTool } from './sketch.js';
@@ -120,16 +121,19 @@ function askNext() {
 
 /** Parts under a place, front to back, and the outline of the first; none where the line is lost. */
 export async function pick(view, x, y) {
-  const none = { parts: [], outline: [] };
+  const none = { parts: [], outline: [], body: null };
   const answer = ask({ ask: 'pick', ...view.inMessage(), at: view.toView([x, y]) });
   return { ...none, ...(await answer.catch(() => none)) };
 }
 
-function show({ view, x, y }, { parts, outline }) {
+function show({ view, x, y }, { parts, outline, body }) {
   const part = server.body.parts.find(({ name: known }) => known === parts[0]);
   setUi('hover', part?.name ?? null);
-  view.over.style.cursor = cursorFor(part);
-  if (part) {
+  const other = bodyNamed(body);
+  view.over.style.cursor = other ? 'pointer' : cursorFor(part);
+  if (other) {
+    name({ view: view.name, part: other.id, outline, label: other.name, at: { x, y } });
+  } else if (part) {
     name({ view: view.name, part: part.name, outline, label: part.label, side: part.side, at: { x, y } });
   } else if (interaction.over) {
     clearTimeout(naming);

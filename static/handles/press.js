@@ -9,6 +9,7 @@
 //   pinching   has a second finger: both move and zoom the view
 //   spent      was cancelled: nothing more until the pointer is released
 
+import { perform } from '../actions/actions.js';
 import { server, ui } from '../store/state.js';
 import { beginOnSurface, beginOnTarget } from './begin.js';
 import { cancelDrag, endDrag, isKeyDown, moveDrag, noteModifiers } from './drag.js';
@@ -253,7 +254,13 @@ function finishClick(done) {
     if (interaction.chosen) renameHandle();
   }
   // A click on a handle has overtaken those before it whose parts were not known yet.
-  else picked.then(({ parts }) => (newest === done || !newest.target) && click(view, at, null, parts));
+  else picked.then((found) => (newest === done || !newest.target) && clickOn(view, at, found));
+}
+
+/** On parts of the body that is posed, else on another body, which is posed from then on. */
+function clickOn(view, at, { parts, body }) {
+  if (body && !parts.length) perform('poseBody', body);
+  else click(view, at, null, parts);
 }
 
 /** A second finger takes over from a press that has not grabbed anything. */

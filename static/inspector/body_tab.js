@@ -13,6 +13,7 @@ import { send } from '../store/link.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { isSurface } from '../store/clip.js';
+import { firstOfMore, SHELVES } from './bodies.js';
 import { line, measure, partName, section } from './section.js';
 import { sizeSpec } from './size.js';
 
@@ -175,8 +176,6 @@ function motion(part, dof, wordy) {
   </button>`;
 }
 
-/** What the presets of a kind are listed under. */
-const PRESET_GROUPS = { adult: 'People', child: 'People', animal: 'Animals', object: 'Objects' };
 const HEIGHTS_CM = [100, 220];
 
 export function bodyTab() {
@@ -200,12 +199,12 @@ function whole() {
         options: body.presets.map((one) => ({
           id: one.name,
           label: one.label,
-          group: PRESET_GROUPS[one.kind],
+          group: SHELVES[one.kind],
         })),
         act: (id) => send({ do: 'preset', name: id }),
         title: 'Use the sizes of a preset body. Keyframes are kept',
       }),
-    )}${height()}${hasPairs() ? link() : nothing}${clavicles()}${fitSizesRow()}`,
+    )}${height()}${hasPairs() ? link() : nothing}${clavicles()}${fitSizesRow()}${firstOfMore()}`,
     html`${fromFile()}${iconButton({
       name: 'reset',
       label: 'Reset to preset',

@@ -5,6 +5,7 @@ import { placesToConfirm } from '../actions/playhead.js';
 import { icon } from '../controls/icons.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/clip.js';
+import { bodyChips } from './bodies.js';
 import { bodyTab, freedom } from './body_tab.js';
 import { cameraMotion } from './camera_motion.js';
 import { cues, keypoints, masks } from './cues.js';
@@ -37,6 +38,7 @@ const SHOWN = [
   'surface',
   'camera',
   'body',
+  'bodies',
   'view',
   'pose',
   'keys',
@@ -83,6 +85,7 @@ const SHOWN = [
   'u:reviewHeld',
   'u:reviewDone',
   'u:allInSpace',
+  'u:bodyNaming',
 ];
 
 /** What was selected when it was last brought into sight. */
@@ -112,7 +115,7 @@ function draw(room) {
 function contents() {
   if (ui.review) return reviewPanel();
   const tab = TABS[ui.tab] ? ui.tab : 'part';
-  return html`${picker()}
+  return html`${bodyChips()}${picker()}
     <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>
       ${Object.keys(TABS).map((id) => head(id, tab))}
     </div>

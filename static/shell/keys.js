@@ -11,6 +11,7 @@ import { keepsKey, leaveControl } from '../controls/focus.js';
 import { icon } from '../controls/icons.js';
 import { closeMenu } from '../controls/menu.js';
 import { closeGuide, openGuide } from '../guide/guide.js';
+import { bodies } from '../store/bodies.js';
 import { server, setUi, ui } from '../store/state.js';
 import { closeFit } from './fit_card.js';
 import { closeUp } from './up_card.js';
@@ -76,11 +77,15 @@ function onKeyDown(event) {
     if (!event.repeat) perform(WHILE_PLAYING.get(chord));
     return;
   }
+  if (chord === 'Tab' && !meansBodies()) return;
   const binding = BY_CHORD.get(chord);
   if (!binding || (!server.file && !binding.always)) return;
   event.preventDefault();
   if (!event.repeat || binding.repeats) perform(binding.id);
 }
+
+/** Tab goes through the bodies while the keys are with the views, and through the controls else. */
+const meansBodies = () => bodies().length > 1 && document.activeElement === document.body;
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {

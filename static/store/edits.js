@@ -13,6 +13,7 @@ const LOOKS = {
   limits: ({ on }) => ({ limits: on }),
   link: ({ on }) => ({ link: on }),
   axes: ({ frame }) => ({ axes: frame }),
+  pose_body: ({ body }) => ({ body }),
 };
 const ENDS = new Set(['end_stroke', 'cancel_stroke']);
 const NO_EDITS = new Set([
@@ -159,7 +160,7 @@ function renewClient() {
   own.add(client);
 }
 
-/** Another server does not know at which frame one stood, and with which switches. */
+/** Another server does not know at which frame one stood, which body was posed, and with which switches. */
 function withLooks(some) {
   const messages = [];
   /** @type {Record<string, unknown>} */
@@ -168,7 +169,7 @@ function withLooks(some) {
     if (origin !== server.server) messages.push(...steps(at, look));
     messages.push({ ...message, client: name, n });
     Object.assign(at, LOOKS[message.do]?.(message));
-    if (message.do === 'undo' || message.do === 'redo') at.frame = null; // they go where they belong
+    if (message.do === 'undo' || message.do === 'redo') at.frame = at.body = null; // they go where they belong
   }
   return messages;
 }
@@ -176,6 +177,7 @@ function withLooks(some) {
 function steps(at, look) {
   const differs = (name) => look[name] !== undefined && look[name] !== at[name];
   const messages = [];
+  if (differs('body')) messages.push({ do: 'pose_body', body: look.body });
   if (differs('frame')) messages.push({ do: 'go', frame: look.frame });
   if (differs('axes')) messages.push({ do: 'axes', frame: look.axes });
   for (const name of ['limits', 'link']) if (differs(name)) messages.push({ do: name, on: look[name] });
@@ -216,8 +218,8 @@ function fileNow() {
 /** Where one stands, once all that is on its way is done. */
 function lookNow() {
   if (!server.view) return {};
-  const { frame, limits, link, axes } = server.view;
-  const look = { frame, limits, link, axes };
+  const { frame, limits, link, axes, body } = server.view;
+  const look = { frame, limits, link, axes, body };
   for (const { message, blocked } of entries) if (!blocked) Object.assign(look, LOOKS[message.do]?.(message));
   return look;
 }

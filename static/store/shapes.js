@@ -171,6 +171,7 @@
  * @typedef {object} Looks  Where one looks, and the switches.
  * @property {number} frame
  * @property {string | null} selected
+ * @property {string} body  The id of the body that is posed.
  * @property {'wire' | 'solid' | 'both'} mode
  * @property {number} opacity
  * @property {boolean} ghosts
@@ -552,6 +553,18 @@
  * @property {HistoryStep[]} steps  Those around the present one, oldest first.
  */
 
+/**
+ * @typedef {object} BodyOfScene
+ * @property {string} id
+ * @property {string} name
+ * @property {string} called  As a person calls it; empty where nobody does.
+ * @property {boolean} posed
+ * @property {string} colour
+ * @property {number[]} keys  Frames of its keyframes.
+ * @property {'good' | 'check' | 'lost' | null} worst  The verdict on its worst segment.
+ * @property {number} open  How many of its segments have no verdict.
+ */
+
 /** @typedef {{ frame: number, text: string }} Note  Without words a flag. */
 
 /**
@@ -596,6 +609,9 @@
  * @property {Feet | null} feet
  * @property {Ghost[]} ghosts  The keyframes beside the present frame, where ghosts are shown.
  * @property {Record<string, Solid> | null} solids  Of every part.
+ * @property {BodyOfScene[]} bodies  All of the scene.
+ * @property {Record<string, Record<string, Solid>>} solids_beside  Of each body that is not posed, by its id.
+ * @property {Record<string, Record<string, number[]>>} poses_beside  T of its parts, likewise.
  * @property {{ solids: Record<string, Solid>, T: Record<string, number[]> } | null} before  The body that new sizes are compared with.
  * @property {Mask[]} masks
  * @property {Settings} settings
@@ -702,6 +718,7 @@
  * @property {string | null} [keypointHover]  The joint that is pointed at in the list.
  * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
+ * @property {string | null} [bodyNaming]  The body whose name is being typed.
  * @property {string | null} [filmLarge]  The other film that stands beside the first.
  * @property {{ id: string, frame: number } | null} [filmHeld]  The other film whose picture is held, and its frame.
  * @property {{ anchor: string, place: number[] } | null} [sight]  The joint that is dragged in a film's picture,

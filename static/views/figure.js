@@ -1,6 +1,7 @@
 // The body over the film, painted by the page itself: what viser's camera view shows, from what the
 // page knows. Which of both draws it is known here.
 
+import { bodies } from '../store/bodies.js';
 import { inBrowser } from '../store/storage.js';
 import { server, setUi, ui } from '../store/state.js';
 import { farthestFirst, css, outlined, paintLines, paintPart, towardWhite } from './painting.js';
@@ -65,6 +66,7 @@ export function paintFigure(ctx, view) {
   const seen = (of, T) => outlined(of, T, project, isParallel);
   const parts = [
     ...inLooks(ctx, seen(solids, pose.T)),
+    ...beside(ctx, seen),
     ...(server.ghosts ?? []).flatMap(({ T }, i) =>
       seenThrough(seen(solids, T), css(GHOSTS[i], GHOST_OPACITY), GHOST_PX),
     ),
@@ -95,6 +97,16 @@ export function paintBody(ctx, project, T_film_camera, parts, isParallel) {
   return true;
 }
 
+/** Parts of the bodies that are not posed, each in its own colour. */
+function beside(ctx, seen) {
+  const { solids_beside: solids = {}, poses_beside: poses = {} } = server;
+  return bodies().flatMap(({ id, colour }) => {
+    if (!solids[id] || !poses[id]) return [];
+    const look = lookIn(rgbOf(colour), false);
+    return seen(solids[id], poses[id]).map((part) => ({ ...part, paint: () => paintPart(ctx, part, look) }));
+  });
+}
+
 /** Parts of the body with how each is painted. @param {import('./painting.js').Outlined[]} parts */
 function inLooks(ctx, parts) {
   const looks = Object.fromEntries(server.body.parts.map(({ name, side }) => [name, lookOf(name, side)]));
@@ -110,15 +122,20 @@ function after(A, B) {
 
 /** @returns {import('./painting.js').Look} */
 function lookOf(name, side) {
-  const { mode, opacity, selected } = server.view;
-  const isSelected = name === selected;
+  const isSelected = name === server.view.selected;
+  return lookIn(isSelected ? COLOURS.selected : COLOURS[side], isSelected);
+}
+
+/** @param {Rgb} colour @param {boolean} isSelected @returns {import('./painting.js').Look} */
+function lookIn(colour, isSelected) {
+  const { mode, opacity } = server.view;
   const dense = Math.min(1, opacity + (isSelected ? SELECTED_OPACITY : 0));
   const thin = isSelected ? SELECTED_OPACITY : 0;
   return {
-    colour: isSelected ? COLOURS.selected : COLOURS[side],
+    colour,
     opacity: mode === 'wire' ? thin : dense,
     isWired: mode !== 'solid',
-    line: isSelected ? WHITE : towardWhite(COLOURS[side], LINE_SHARE),
+    line: isSelected ? WHITE : towardWhite(colour, LINE_SHARE),
     width: isSelected ? SELECTED_LINE_PX : LINE_PX,
   };
 }

@@ -44,7 +44,7 @@ export function mount() {
   watch(['pose'], () => views.forEach((each) => each.follow()));
   watch(['feet', 'keys'], () => ['main', 'side', 'front'].forEach((name) => view(name).redraw()));
   watch(['view'], () => view('main').follow());
-  watch(['body', 'solids', 'ghosts', 'before', 'trail'], () => view('main').paint());
+  watch(['body', 'solids', 'ghosts', 'before', 'trail', 'poses_beside', 'solids_beside'], () => view('main').paint());
   watch(['u:painted'], () => {
     if (begun) beginShown();
     view('main').redraw();

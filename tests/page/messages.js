@@ -8,10 +8,15 @@ server.file = { frames: 60, id: '0123456789abcdef' };
 server.view = { frame: 4, selected: 'left_hand', mode: 'both' };
 server.keys = { frames: [0, 8], drafts: [] };
 server.films = [{ id: 'film-2', begins: 3.4, also: [31.5] }];
+server.bodies = [
+  { id: 'body', posed: true, called: '', keys: [] },
+  { id: 'body-2', posed: false, called: '', keys: [] },
+];
 ui.fitFocal = true;
 ui.box = [10, 20, 30, 80];
 const kept = { id: '0123456789ab', name: 'Sitting', fits: true };
 const about = {
+  addBody: 'adult_male',
   insertPose: kept,
   insertMirrored: kept,
   openRecent: { id: 'a' },

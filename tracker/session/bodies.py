@@ -8,13 +8,27 @@ from typing import Any
 from pydantic import Field, model_validator
 
 from keypose.tracker.body.body import Body
-from keypose.tracker.session.annotations import Ahead, Drafted, ReviewedList
+from keypose.tracker.session.annotations import (
+    Ahead,
+    Drafted,
+    KeypointCorrection,
+    ReviewedList,
+)
 from keypose.tracker.session.counts import few
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
 from keypose.tracker.session.pins import PinList
-from keypose.tracker.session.references import FirstMotion
+from keypose.tracker.session.references import FirstMotion, KeypointFile
 from keypose.tracker.session.results import Results
-from keypose.tracker.session.settings import Plain, SceneId
+from keypose.tracker.session.settings import Plain, SceneId, Title
+
+
+class ViewKeypoints(Plain):
+    """The keypoints of one body in the film of one view, and what a person set right of them."""
+
+    keypoints: KeypointFile | None = None
+    keypoint_corrections: tuple[KeypointCorrection, ...] = Field(
+        default=(), exclude_if=operator.not_
+    )
 
 
 class TrackedBody(Plain):
@@ -22,6 +36,11 @@ class TrackedBody(Plain):
     the first view's camera."""
 
     id: SceneId = "body"
+    called: Title = Field(
+        default="",
+        exclude_if=operator.not_,
+        description="What a person calls it; left out where it is called as its kind.",
+    )
     body: Body
     keyframes: tuple[Keyframe, ...] = ()
     part_keyframes: tuple[PartKeyframe, ...] = Field(
@@ -50,6 +69,12 @@ class TrackedBody(Plain):
         "where it was not.",
     )
     results: Results | None = None
+    keypoints_by_view: dict[SceneId, ViewKeypoints] = Field(
+        default={},
+        exclude_if=operator.not_,
+        description="Its keypoints by the id of the view that shows them; left out for the body "
+        "that is posed, whose keypoints stand in the views, and where there are none.",
+    )
 
     @property
     def posed(self) -> tuple[Keyframe, ...]:

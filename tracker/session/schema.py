@@ -31,7 +31,7 @@ from keypose.tracker.session.annotations import (
     require_corrections,
     require_notes,
 )
-from keypose.tracker.session.bodies import TrackedBody
+from keypose.tracker.session.bodies import TrackedBody, ViewKeypoints
 from keypose.tracker.session.camera_motion import path_through
 from keypose.tracker.session.counts import MOST, few, require_few
 from keypose.tracker.session.evidence import Evidence, evidence_of
@@ -42,6 +42,8 @@ from keypose.tracker.session.settings import (
     Metres,
     Plain,
     Position,
+    SceneId,
+    Title,
     TrackSettings,
     is_unknown,
 )
@@ -74,6 +76,7 @@ def require_fit(session: Session, subject: TrackedBody, poses: Sequence[Keyframe
     _require_sorted(subject.drafts)
     _require_sorted(subject.part_keyframes)
     _require_part_keyframes(subject, session.view)
+    _require_keypoints(subject, session)
     _require_direction(session.world.up_world)
     _require_parts(session.settings.left_out, session.bodies)
     frame_count = session.view.video.frame_count
@@ -129,6 +132,21 @@ def _require_camera_motion(view: View) -> None:
     for before, after in pairwise(frames):
         if before >= after:
             raise ValueError(f"camera_keyframes: frame {after} stands after {before}")
+
+
+def _require_keypoints(subject: TrackedBody, session: Session) -> None:
+    """ValueError in one sentence unless keypoints that stand with a body are of its views."""
+    if subject.keypoints_by_view and subject is session.subject:
+        raise ValueError(
+            f"keypoints_by_view: {subject.id!r} is the body that is posed, whose keypoints stand "
+            "in the views"
+        )
+    videos = {view.id: view.video for view in session.views}
+    for view_id, each in subject.keypoints_by_view.items():
+        if view_id not in videos:
+            raise ValueError(f"keypoints_by_view: there is no view of the id {view_id!r}")
+        video = videos[view_id]
+        require_corrections(each.keypoint_corrections, video.frame_count, video.width, video.height)
 
 
 def _require_ids(field: str, them: Sequence[View | TrackedBody]) -> None:
@@ -226,9 +244,6 @@ def _require_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) ->
         )
 
 
-Title: TypeAlias = Annotated[str, Field(max_length=120)]
-
-
 class World(Plain):
     """What stands still while bodies and cameras move."""
 
@@ -278,7 +293,8 @@ class World(Plain):
 class Session(Plain):
     """All about one scene: what cameras saw of it, the bodies in it, the settings.
 
-    As long as there is one view and one body, `view` and `subject` are these.
+    As long as there is one view and one body, `view` and `subject` are these. Of several bodies one
+    is posed: its keypoints stand in the views, those of each other one with that body.
     """
 
     schema_version: Annotated[int, Field(ge=1)] = Field(
@@ -291,6 +307,11 @@ class Session(Plain):
     )
     views: Annotated[tuple[View, ...], Field(min_length=1, max_length=MOST_VIEWS)]
     bodies: Annotated[tuple[TrackedBody, ...], Field(min_length=1, max_length=MOST_BODIES)]
+    posed_body: SceneId | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The id of the body that is posed; left out where it is the first.",
+    )
     world: World = World()
     notes: NoteList = ()
     settings: TrackSettings = TrackSettings()
@@ -315,14 +336,43 @@ class Session(Plain):
     @property
     def subject(self) -> TrackedBody:
         """The body that is posed and tracked."""
-        return self.bodies[0]
+        return self.bodies[0] if self.posed_body is None else self._body(self.posed_body)
+
+    def _body(self, body_id: str) -> TrackedBody:
+        for body in self.bodies:
+            if body.id == body_id:
+                return body
+        raise KeyError(body_id)
 
     def about(self, body_id: str) -> Self:
         """The same about one of its bodies alone; KeyError where there is no such body."""
-        tracked_bodies = tuple(body for body in self.bodies if body.id == body_id)
-        if not tracked_bodies:
-            raise KeyError(body_id)
-        return self.model_copy(update={"bodies": tracked_bodies})
+        posing = self.posing(body_id)
+        return posing.model_copy(update={"bodies": (posing.subject,), "posed_body": None})
+
+    def posing(self, body_id: str) -> Self:
+        """The same where another of its bodies is posed; KeyError where there is no such body."""
+        chosen, left = self._body(body_id), self.subject
+        if chosen is left:
+            return self
+        in_views = {view.id: _keypoints_in(view) for view in self.views}
+        parked = {view_id: each for view_id, each in in_views.items() if each != ViewKeypoints()}
+        views = tuple(
+            view.model_copy(update=dict(chosen.keypoints_by_view.get(view.id, ViewKeypoints())))
+            for view in self.views
+        )
+        changed = {
+            left.id: left.model_copy(update={"keypoints_by_view": parked}),
+            chosen.id: chosen.model_copy(update={"keypoints_by_view": {}}),
+        }
+        bodies = tuple(changed.get(body.id, body) for body in self.bodies)
+        posed_body = None if body_id == bodies[0].id else body_id
+        return self.model_copy(update={"views": views, "bodies": bodies, "posed_body": posed_body})
+
+    def among(self, whole: Self) -> Self:
+        """This state of one of its bodies alone, in its place among all bodies of a session."""
+        there = whole.posing(self.subject.id).with_body(self.subject)
+        update = {"bodies": there.bodies, "posed_body": there.posed_body}
+        return self.model_copy(update=update).posing(whole.subject.id)
 
     def alone(self, view_id: str) -> Self:
         """The same about one of its views alone, as if that were the first; KeyError where there
@@ -354,7 +404,8 @@ class Session(Plain):
         if parts["view"]:
             update["views"] = (self.view.model_copy(update=parts["view"]), *self.views[1:])
         if parts["subject"]:
-            update["bodies"] = (self.subject.model_copy(update=parts["subject"]), *self.bodies[1:])
+            subject = self.subject.model_copy(update=parts["subject"])
+            update["bodies"] = self.with_body(subject).bodies
         if parts["world"]:
             update["world"] = self.world.model_copy(update=parts["world"])
         return self.model_copy(update=update)
@@ -443,9 +494,17 @@ class Session(Plain):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        if self.posed_body not in {None, *(body.id for body in self.bodies)}:
+            raise ValueError(f"posed_body: there is no body of the id {self.posed_body!r}")
         for subject in self.bodies:
             require_fit(self, subject, subject.posed)
         return self
+
+
+def _keypoints_in(view: View) -> ViewKeypoints:
+    return ViewKeypoints.model_construct(
+        keypoints=view.keypoints, keypoint_corrections=view.keypoint_corrections
+    )
 
 
 SUBJECT_FIELDS = tuple(name for name in TrackedBody.model_fields if name != "id")

@@ -29,6 +29,7 @@ FARTHEST_M: Final = 1e5
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
 SceneId: TypeAlias = Annotated[str, Field(pattern=r"^[a-z0-9_-]{1,40}$")]
+Title: TypeAlias = Annotated[str, Field(max_length=120)]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Annotated[Literal["full", "preview"], BeforeValidator(_as_now)]

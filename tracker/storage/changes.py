@@ -12,9 +12,17 @@ from typing import Annotated, Any, Final, TypeAlias, get_type_hints
 from pydantic import Field, TypeAdapter, ValidationError
 
 from keypose.tracker.errors import one_sentence
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.counts import require_few
 from keypose.tracker.session.keyframe import Keyframe, PartKeyframe
-from keypose.tracker.session.schema import MOST_VIEWS, OWNERS, PART_OF, Session, require_fit
+from keypose.tracker.session.schema import (
+    MOST_BODIES,
+    MOST_VIEWS,
+    OWNERS,
+    PART_OF,
+    Session,
+    require_fit,
+)
 from keypose.tracker.session.views import View
 
 Changes: TypeAlias = dict[str, Any]
@@ -29,11 +37,21 @@ LISTED: Mapping[str, TypeAdapter[Any]] = {
 """What is listed by frame, and how it is read."""
 _AS_NOW = {"up_camera": "up_world"}
 """What fields were called in journals of older versions, and what they are now."""
-FIELDS = tuple(name for name in PART_OF if name not in ("schema_version", "results"))
+_NO_EDITS = ("schema_version", "results", "posed_body")
+"""Fields that no edit changes, and which of the bodies is posed."""
+FIELDS = tuple(name for name in PART_OF if name not in _NO_EDITS)
 
 FILMS: Final = "films"
 """The views after the first, among changes: {"set": [those that differ], "ids": [of all]}."""
 _FILMS = TypeAdapter(Annotated[tuple[View, ...], Field(max_length=MOST_VIEWS)])
+
+POSED: Final = "posed"
+"""The id of the body that is posed from now on, among changes; what else differs is of it."""
+
+BODIES: Final = "bodies"
+"""The bodies, among changes where those that are not posed differ: {"set": [those that differ],
+"ids": [of all], "posed": the id of the one that is}; no fields of a body beside it."""
+_BODIES = TypeAdapter(Annotated[tuple[TrackedBody, ...], Field(max_length=MOST_BODIES)])
 
 _VALUES: dict[str, TypeAdapter[Any]] = {
     name: TypeAdapter(get_type_hints(OWNERS[PART_OF[name]], include_extras=True)[name])
@@ -45,29 +63,39 @@ _VALUES: dict[str, TypeAdapter[Any]] = {
 def changes(before: Session, after: Session) -> Changes:
     """The changes that turn `before` into `after`."""
     changed_fields: Changes = {}
+    if after.subject.id != before.subject.id and after.subject.id in _ids(before):
+        before = before.posing(after.subject.id)
+        changed_fields[POSED] = after.subject.id
+    changed_fields |= _changed_bodies(before, after)
     for name in FIELDS:
+        if BODIES in changed_fields and PART_OF[name] == "subject":
+            continue
         was, now = before.value(name), after.value(name)
         if now is was or now == was:
             continue
         changed_fields[name] = _listed(was, now) if name in LISTED else _plain(name, now)
-    return changed_fields | _changed_films(before, after)
+    return {**changed_fields, **_changed_films(before, after)}
 
 
 def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
-    """The session after these changes; ValueError where they are not valid changes.
+    """The session with changes made; ValueError when one is malformed.
 
     Every value is validated by itself; whether all fit together is for the caller to check.
     """
     change = {_AS_NOW.get(name, name): value for name, value in change.items()}
-    unknown = sorted(set(change) - {*FIELDS, FILMS})
+    unknown = sorted(set(change) - {*FIELDS, FILMS, BODIES, POSED})
     if unknown:
         raise ValueError(f"a change of {unknown[0]!r}, which a session does not have")
+    if POSED in change:
+        before = _posing(before, change[POSED])
+    if BODIES in change:
+        before = _with_bodies(before, change[BODIES])
     new = {
         name: _apply(name, before.value(name), value)
         if name in LISTED
         else _VALUES[name].validate_python(value)
         for name, value in change.items()
-        if name != FILMS
+        if name in FIELDS
     }
     after = before.changed(new) if new else before
     return _with_films(after, change[FILMS]) if FILMS in change else after
@@ -83,6 +111,10 @@ def require_sound(before: Session, after: Session) -> None:
         _require_valid(name, value)
     if not change:
         return
+    if change.keys() & {BODIES, POSED}:
+        for body in after.bodies:
+            require_fit(after, body, body.posed)
+        return
     posed = after.subject.posed
     if not change.keys() & {"video", "camera", "body"}:  # what every pose is checked against
         ids_before = {id(pose) for pose in before.subject.posed}
@@ -96,6 +128,10 @@ def _require_valid(name: str, value: Any) -> None:
             LISTED[name].validate_python(value["set"])
         elif name == FILMS:
             _FILMS.validate_python(value["set"])
+        elif name == BODIES:
+            _BODIES.validate_python(value["set"])
+        elif name == POSED:
+            return
         else:
             _VALUES[name].validate_python(value)
     except ValidationError as error:
@@ -114,6 +150,46 @@ def _changed_films(before: Session, after: Session) -> Changes:
     if not fresh and list(was) == list(now):
         return {}
     return {FILMS: {"set": [view.model_dump(mode="json") for view in fresh], "ids": list(now)}}
+
+
+def _changed_bodies(before: Session, after: Session) -> Changes:
+    """What differs of the bodies; empty where at most the one that is posed does."""
+    was, now = ({body.id: body for body in _without_motion(each)} for each in (before, after))
+    posed = after.subject.id
+    if list(was) == list(now) and all(was[id] == now[id] for id in now if id != posed):
+        return {}
+    fresh = [body.model_dump(mode="json") for body in now.values() if was.get(body.id) != body]
+    return {BODIES: {"set": fresh, "ids": list(now), "posed": posed}}
+
+
+def _without_motion(session: Session) -> tuple[TrackedBody, ...]:
+    """Its bodies without what was tracked, which is no edit."""
+    return tuple(
+        body if body.results is None else body.model_copy(update={"results": None})
+        for body in session.bodies
+    )
+
+
+def _with_bodies(session: Session, change: Any) -> Session:
+    if not isinstance(change, dict) or change.keys() != {"set", "ids", "posed"}:
+        raise ValueError("bodies that are not set by their ids")
+    there = {body.id: body for body in session.bodies}
+    there |= {body.id: body for body in _BODIES.validate_python(change["set"])}
+    if not set(change["ids"]) <= set(there) or change["posed"] not in change["ids"]:
+        raise ValueError("the id of a body that is not there")
+    bodies = tuple(there[id] for id in change["ids"])
+    posed_body = None if change["posed"] == bodies[0].id else change["posed"]
+    return session.model_copy(update={"bodies": bodies, "posed_body": posed_body})
+
+
+def _posing(session: Session, body_id: Any) -> Session:
+    if body_id not in _ids(session):
+        raise ValueError("the id of a body that is not there")
+    return session.posing(body_id)
+
+
+def _ids(session: Session) -> list[str]:
+    return [body.id for body in session.bodies]
 
 
 def _with_films(session: Session, change: Any) -> Session:

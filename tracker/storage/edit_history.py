@@ -92,8 +92,11 @@ def mark_of(session: Session) -> str:
 
 
 def without_results(session: Session) -> Session:
-    """The document: what a person decides about the body that is posed."""
-    return session if session.subject.results is None else session.changed({"results": None})
+    """The document: what a person decides about the bodies."""
+    if all(body.results is None for body in session.bodies):
+        return session
+    bodies = tuple(body.model_copy(update={"results": None}) for body in session.bodies)
+    return session.model_copy(update={"bodies": bodies})
 
 
 def with_results_of(doc: Session, tracked: Session) -> Session:

@@ -54,7 +54,7 @@ def _keys_of(session: Session) -> dict[Span, str]:
     return _keys(ById(session), _digest(session.settings.network_used))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _keys(session: ById, _network: str) -> dict[Span, str]:
     """Cached: called often for an unchanged session.
 

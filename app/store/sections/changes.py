@@ -20,6 +20,7 @@ from keypose.app.store.sections import (
     evidence_values,
     film_values,
     motion_values,
+    scene_bodies,
     scene_values,
     space_values,
     work_values,
@@ -50,6 +51,20 @@ def _doc(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
 
 def _other_films(doc: Session | None) -> tuple[Any, ...]:
     return () if doc is None else doc.views[1:]
+
+
+def _posed(app_state: AppState) -> tuple[Any, ...]:
+    """Which body is posed."""
+    return () if app_state.edit is None else (app_state.edit.doc.subject.id,)
+
+
+def _bodies(app_state: AppState) -> tuple[Any, ...]:
+    """The bodies that are not posed, and which one is."""
+    doc = app_state.edit.settled if app_state.edit else None
+    if doc is None:
+        return (None,)
+    posed = doc.subject
+    return (posed.id, posed.called, *(body for body in doc.bodies if body is not posed))
 
 
 def _settled(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
@@ -176,7 +191,7 @@ SECTIONS: dict[str, _Section] = {
     ),
     "views": _Section(_both(_doc("up_world"), _before_camera), scene_values.small_view_rotations),
     "body": _Section(_doc("body"), body_values.body),
-    "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
+    "view": _Section(_both(_edit("frame", "selected", "display"), _posed), scene_values.view),
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), body_values.pose),
     "keys": _Section(_both(_POSES, _TRACKED), body_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
@@ -222,6 +237,9 @@ SECTIONS: dict[str, _Section] = {
         space_values.ghosts,
     ),
     "solids": _Section(_doc("body"), space_values.solids),
+    "bodies": _Section(_both(_TRACKED, _bodies), scene_bodies.bodies),
+    "solids_beside": _Section(_bodies, scene_bodies.solids_beside),
+    "poses_beside": _Section(_both(_bodies, _TRACKED, _edit("frame")), scene_bodies.poses_beside),
     "before": _Section(_edit("compared", "frame", "results"), space_values.before),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
@@ -273,9 +291,11 @@ SECTIONS: dict[str, _Section] = {
 PLACES: Mapping[str, str] = {
     **dict.fromkeys(("file", "camera", "up"), "the camera"),
     **dict.fromkeys(("camera_motion", "camera_here", "background"), "the camera"),
-    **dict.fromkeys(("body", "solids", "before", "sizes_preview"), "the body"),
+    **dict.fromkeys(("body", "bodies", "solids", "before", "sizes_preview"), "the body"),
     **dict.fromkeys(("view", "views", "pose", "trail", "ghosts", "surface"), "the views"),
-    **dict.fromkeys(("people", "films", "films_seen"), "the views"),
+    **dict.fromkeys(
+        ("people", "films", "films_seen", "solids_beside", "poses_beside"), "the views"
+    ),
     **dict.fromkeys(
         (
             "keys",

@@ -199,6 +199,7 @@ def view(app_state: AppState) -> Json:
     return {
         "frame": edit.frame,
         "selected": edit.selected,
+        "body": edit.doc.subject.id,
         "mode": looks.mode,
         "opacity": looks.opacity,
         "ghosts": looks.ghosts,

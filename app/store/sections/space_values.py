@@ -77,7 +77,7 @@ def ghosts(app_state: AppState) -> Json:
 def solids(app_state: AppState) -> Json:
     """What every part's convex surface is drawn from, in its own frame."""
     doc = doc_of(app_state)
-    return None if doc is None else _solids(doc.subject.body)
+    return None if doc is None else solids_of(doc.subject.body)
 
 
 def before(app_state: AppState) -> Json:
@@ -89,10 +89,11 @@ def before(app_state: AppState) -> Json:
     body = was.doc.subject.body
     Ts = pose_transforms(was.skeleton, shown.shown_pose(was).pose)
     rows = Ts[:, :3].reshape(-1, 12).round(5).tolist()
-    return {"solids": _solids(body), "T": dict(zip(body.names, rows, strict=True))}
+    return {"solids": solids_of(body), "T": dict(zip(body.names, rows, strict=True))}
 
 
-def _solids(body: Body) -> Json:
+def solids_of(body: Body) -> Json:
+    """What every part's convex surface is drawn from, in its own frame, by the part's name."""
     return {part.name: _solid(part.shape) for part in body.parts}
 
 

@@ -8,7 +8,13 @@ from __future__ import annotations
 
 from keypose.tracker.storage.fingerprints import Span, segment_key, segment_keys
 from keypose.tracker.storage.results.collection import Results, State
-from keypose.tracker.storage.results.disk import load_results, save_results, tidy_tracks
+from keypose.tracker.storage.results.disk import (
+    load_all_results,
+    load_results,
+    save_all_results,
+    save_results,
+    tidy_tracks,
+)
 from keypose.tracker.storage.results.frames import (
     Fitting,
     expected_gain,
@@ -28,6 +34,7 @@ __all__ = [
     "State",
     "expected_gain",
     "listed",
+    "load_all_results",
     "load_results",
     "observability",
     "pose_at",
@@ -35,6 +42,7 @@ __all__ = [
     "residual",
     "root_positions",
     "rotations",
+    "save_all_results",
     "save_results",
     "segment_key",
     "segment_keys",

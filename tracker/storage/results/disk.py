@@ -14,6 +14,7 @@ import numpy as np
 
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.errors import SessionError
 from keypose.tracker.files import read_regular
 from keypose.tracker.session import Results as FileResults
 from keypose.tracker.session import SegmentSummary, Session
@@ -56,6 +57,31 @@ def load_results(session: Session, session_path: Path) -> Results:
             )
             results = results.with_space(solved)
     return results
+
+
+def load_all_results(session: Session, session_path: Path) -> tuple[Results, str]:
+    """The same of all bodies, and why those of a body could not be read, a sentence; the others'
+    are there even so. What fits a body is found by what it was made from."""
+    by_key: dict[str, SegmentResult] = {}
+    in_space: dict[str, SpaceResult] = {}
+    problem = ""
+    for body in session.bodies:
+        try:
+            results = load_results(session.about(body.id), session_path)
+        except SessionError as error:
+            problem = problem or str(error)
+        else:
+            by_key |= results.by_key
+            in_space |= results.in_space
+    return Results(by_key, in_space), problem
+
+
+def save_all_results(session: Session, session_path: Path, results: Results) -> Session:
+    """The same of all bodies."""
+    for body in session.bodies:
+        saved = save_results(session.about(body.id), session_path, results)
+        session = session.with_body(saved.subject)
+    return session
 
 
 def save_results(session: Session, session_path: Path, results: Results) -> Session:

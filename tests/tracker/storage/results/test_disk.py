@@ -12,7 +12,13 @@ from keypose.tracker.body.pose import Pose
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.storage.files import load_session, save_session
-from keypose.tracker.storage.results import Results, load_results, save_results
+from keypose.tracker.storage.results import (
+    Results,
+    load_all_results,
+    load_results,
+    save_all_results,
+    save_results,
+)
 from keypose.tracker.storage.tracks import load_tracks, save_result
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app.results_cases import both, passing, session, track
@@ -174,3 +180,39 @@ def test_a_damaged_tracks_file_is_reported_in_one_sentence(tmp_path: Path) -> No
     (tmp_path / again.subject.results.tracks).write_bytes(b"no archive")
     with pytest.raises(SessionError, match=r"is damaged: .*\.$"):
         load_results(again, path)
+
+
+def two_tracked(folder: Path) -> tuple[Session, Path]:
+    """Two bodies, the second a little farther, both tracked and saved."""
+    first = session()
+    farther = [
+        keyframe.model_copy(update={"root_m": (0.0, 0.0, keyframe.root_m[2] + 1.0)})
+        for keyframe in first.subject.keyframes
+    ]
+    second = first.subject.model_copy(update={"id": "body-2", "keyframes": tuple(farther)})
+    of_two = first.model_copy(update={"bodies": (first.subject, second)})
+    results = both(of_two.about("body"))
+    for first_frame, last_frame in ((0, 4), (4, 8)):
+        result = track(of_two.about("body-2"), first_frame, last_frame, bend=0.2)
+        results = results.with_result(result)
+    path = folder / "session.json"
+    save_session(save_all_results(of_two, path, results), path)
+    return load_session(path), path
+
+
+def test_the_motions_of_all_bodies_are_saved_and_read_each_with_its_own(tmp_path: Path) -> None:
+    of_two, path = two_tracked(tmp_path)
+    results, problem = load_all_results(of_two, path)
+    assert (len(results), problem) == (4, "")
+    for body in of_two.bodies:
+        assert [*results.fitting(of_two.about(body.id))] == [(0, 4), (4, 8)]
+
+
+def test_a_motion_that_cannot_be_read_takes_no_other_with_it(tmp_path: Path) -> None:
+    of_two, path = two_tracked(tmp_path)
+    damaged = of_two.bodies[1].results
+    assert damaged is not None
+    (tmp_path / damaged.tracks).write_bytes(b"no tracks")
+    results, problem = load_all_results(of_two, path)
+    assert len(results) == 2
+    assert damaged.tracks in problem

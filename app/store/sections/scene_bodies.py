@@ -1,0 +1,65 @@
+"""Give the bodies of a session as JSON, and where those that are not posed stand."""
+
+from __future__ import annotations
+
+from keypose.app.editor.shown import transforms_beside
+from keypose.app.editor.state import EditorState
+from keypose.app.render.palette import body_colour
+from keypose.app.state.app_state import AppState
+from keypose.app.store.sections.json_value import Json
+from keypose.app.store.sections.space_values import solids_of
+from keypose.app.words.bodies import body_names
+from keypose.tracker.session.verdict import worst_of
+
+
+def bodies(app_state: AppState) -> Json:
+    """Every body: what it is called, its keyframes, the verdict on its worst segment, and how many
+    have none."""
+    edit = app_state.edit
+    if edit is None:
+        return []
+    doc = edit.settled
+    names = body_names(doc)
+    return [
+        {
+            "id": body.id,
+            "name": names[body.id],
+            "called": body.called,
+            "posed": body.id == edit.doc.subject.id,
+            "colour": _hex(place),
+            "keys": [keyframe.frame for keyframe in body.keyframes],
+            **_tracked(edit.about(body.id)),
+        }
+        for place, body in enumerate(doc.bodies)
+    ]
+
+
+def _tracked(alone: EditorState) -> dict[str, Json]:
+    states = list(alone.results.states(alone.settled).values())
+    kinds = [kind for kind in states if kind in ("good", "check", "lost")]
+    return {"worst": worst_of(kinds), "open": len(states) - len(kinds)}
+
+
+def solids_beside(app_state: AppState) -> Json:
+    """What the parts of each body that is not posed are drawn from, by the body's id."""
+    edit = app_state.edit
+    if edit is None:
+        return {}
+    posed = edit.doc.subject.id
+    return {body.id: solids_of(body.body) for body in edit.doc.bodies if body.id != posed}
+
+
+def poses_beside(app_state: AppState) -> Json:
+    """Where the parts of each body that is not posed are at the present frame, by its id."""
+    edit = app_state.edit
+    if edit is None:
+        return {}
+    names = {body.id: body.body.names for body in edit.doc.bodies}
+    return {
+        body_id: dict(zip(names[body_id], Ts[:, :3].reshape(-1, 12).round(5).tolist(), strict=True))
+        for body_id, Ts in transforms_beside(edit).items()
+    }
+
+
+def _hex(place: int) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*body_colour(place))

@@ -1,0 +1,22 @@
+"""Words for the bodies of a session."""
+
+from __future__ import annotations
+
+from keypose.app.posing import part_label
+from keypose.tracker.session.schema import Session
+
+
+def body_names(doc: Session) -> dict[str, str]:
+    """What each body is called, by its id: by a person, else as its kind, with a number where that
+    alone would be said of several."""
+    kinds = {body.id: body.called or part_label(body.body.name) for body in doc.bodies}
+    names: dict[str, str] = {}
+    for body_id, kind in kinds.items():
+        earlier = list(kinds.values())[: len(names)].count(kind)
+        names[body_id] = f"{kind} {earlier + 1}" if earlier else kind
+    return names
+
+
+def of_body(doc: Session, body_id: str) -> str:
+    """Such as " of Anna", after what is done with a body; empty where there is only one."""
+    return f" of {body_names(doc)[body_id]}" if len(doc.bodies) > 1 else ""

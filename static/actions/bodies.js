@@ -1,0 +1,43 @@
+// Several bodies in one film: which one is posed, and what it is called.
+
+import { bodies, bodyNamed, posedBody } from '../store/bodies.js';
+import { isSurface } from '../store/clip.js';
+import { send } from '../store/link.js';
+import { server, setUi } from '../store/state.js';
+
+const MOST = 32;
+
+/** Why no body can be added. */
+export function whyNotAddBody() {
+  if (isSurface()) return 'Surfaces are of one body';
+  if (!server.body) return 'Open a video first';
+  return bodies().length < MOST ? '' : `The session has ${MOST} bodies already`;
+}
+
+/** Why there is no other body to go to, or to remove. */
+export const whyNoOther = () => (bodies().length > 1 ? '' : 'There is no other body');
+
+/** A body of the shelf; where none is named, one as the posed one is. @param {string} [preset] */
+export const addMessage = (preset = server.body?.preset ?? server.body?.presets?.[0]?.name) => ({
+  do: 'add_body',
+  preset,
+});
+
+/** @param {string} [id]  The next one, where none is named. */
+export function poseMessage(id) {
+  const all = bodies();
+  const next = all[(all.findIndex(({ posed }) => posed) + 1) % all.length];
+  return { do: 'pose_body', body: id ?? next?.id ?? '' };
+}
+
+/** @param {string} [id] */
+export const removeMessage = (id = posedBody()?.id ?? '') => ({ do: 'remove_body', body: id });
+
+/** Type another name for it, where it is listed. @param {string} [id] */
+export const renameBody = (id = posedBody()?.id) => setUi('bodyNaming', id ?? null);
+
+/** @param {string} id @param {string} text */
+export function nameBody(id, text) {
+  setUi('bodyNaming', null);
+  if (text.trim() !== bodyNamed(id)?.called) send({ do: 'call_body', body: id, name: text.trim() });
+}
