@@ -226,10 +226,10 @@ class EditorState:
         return replace(self.with_doc(doc), history=self.history.after(self.doc, label, at))
 
     def about(self, body_id: str) -> EditorState:
-        """The same as if one of its bodies were the only one: no gesture is under way."""
+        """The same as if another of its bodies were posed: no gesture is under way."""
         if len(self.settled.bodies) == 1:
             return self
-        doc, skeleton, opening = _alone(ById(self.settled), body_id)
+        doc, skeleton, opening = _posing(ById(self.settled), body_id)
         return replace(self._of_no_body(), doc=doc, skeleton=skeleton, opening=opening, stroke=None)
 
     def with_doc(self, doc: Session) -> EditorState:
@@ -268,7 +268,7 @@ class EditorState:
 
 
 @lru_cache(maxsize=32)
-def _alone(session: ById, body_id: str) -> tuple[Session, Skeleton, Pose]:
+def _posing(session: ById, body_id: str) -> tuple[Session, Skeleton, Pose]:
     """Cached: asked for at every frame, of every body."""
-    doc: Session = session.it.about(body_id)
+    doc: Session = session.it.posing(body_id)
     return doc, Skeleton.of(doc.subject.body), first_pose(doc)

@@ -31,13 +31,17 @@ class SpaceSolving:
             return
         if not self._queue.is_free_for(Priority.FOLLOWS):
             return
-        unsolved = edit.results.unsolved(edit.doc)
-        wanted = [stretch for stretch in unsolved if stretch.key not in self._asked]
-        if not wanted:
-            return
-        self._asked |= {stretch.key for stretch in wanted}
-        job = SolveSpace.of(edit.doc, wanted)
-        self._queue.begin(Item(job, Priority.FOLLOWS, take=self._take, end=_end, left=self.anew))
+        posed = edit.doc.subject
+        for body in (posed, *(body for body in edit.doc.bodies if body is not posed)):
+            doc = edit.about(body.id).doc
+            unsolved = edit.results.unsolved(doc)
+            wanted = [stretch for stretch in unsolved if stretch.key not in self._asked]
+            if wanted:
+                self._asked |= {stretch.key for stretch in wanted}
+                job = SolveSpace.of(doc, wanted)
+                item = Item(job, Priority.FOLLOWS, take=self._take, end=_end, left=self.anew)
+                self._queue.begin(item)
+                return
 
     def _take(self, partial: Any) -> bool:
         edit = self._host.app_state.edit

@@ -11,10 +11,11 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory, joined
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.operations.bonds import held_points
 from keypose.tracker.operations.track import keyed_parts
 from keypose.tracker.session.between_views import T_film_first
 from keypose.tracker.session.keyframe import Keyframe
-from keypose.tracker.session.pins import Pin, sole_of
+from keypose.tracker.session.pins import Pin, pins_within, sole_of
 from keypose.tracker.session.results import PinResult
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.contacts import proposed_pins
@@ -97,6 +98,9 @@ def solved(
 ) -> SpaceResult:
     """The motion of a stretch in space; where it is cancelled that which was found until then."""
     asked_for = asked(session, stretch)
+    if stretch.bonds:
+        held = held_points(session, stretch.bonds, _free(session, stretch, cancelled))
+        asked_for = replace(asked_for, problem=replace(asked_for.problem, held=held))
     problem, moments, skeleton = asked_for.problem, asked_for.moments, asked_for.problem.skeleton
     exact = sorted(set(problem.keyframes) - set(problem.soft))
     space_solution = solve_space(problem, cancelled)
@@ -130,6 +134,22 @@ def solved(
         *harm_findings(compared(problem, space_solution), stretch.pins),
     )
     return SpaceResult(stretch.key, motion, pins, free, findings, space_solution.floor_m)
+
+
+def _free(
+    session: Session, stretch: SegmentRun, cancelled: Callable[[], bool] | None
+) -> dict[str, Trajectory]:
+    """The motions in space of a stretch's body and of those beside it, by id, as they are without
+    bonds."""
+    alone = {session.subject.id: replace(stretch, bonds=(), beside={})}
+    for body_id, segments in stretch.beside.items():
+        there = session.posing(body_id)
+        span = segments[0].first, segments[-1].last
+        alone[body_id] = SegmentRun("", tuple(segments), pins_within(there.subject.pins, span))
+    return {
+        body_id: solve_space(asked(session.posing(body_id), run).problem, cancelled).motion
+        for body_id, run in alone.items()
+    }
 
 
 def compared(problem: SpaceProblem, space_solution: SpaceSolution) -> Compared:

@@ -13,6 +13,7 @@ MOST: Mapping[str, int] = {
     "camera_keyframes": 10_000,
     "keypoint_corrections": 10_000,
     "pins": 10_000,
+    "bonds": 1_000,
     "notes": 1_000,
     "reviewed": 10_000,
     "ahead": 100,

@@ -32,6 +32,7 @@ from keypose.tracker.session.annotations import (
     require_notes,
 )
 from keypose.tracker.session.bodies import TrackedBody, ViewKeypoints
+from keypose.tracker.session.bonds import BondList, require_bonds
 from keypose.tracker.session.camera_motion import path_through
 from keypose.tracker.session.counts import MOST, few, require_few
 from keypose.tracker.session.evidence import Evidence, evidence_of
@@ -82,6 +83,7 @@ def require_fit(session: Session, subject: TrackedBody, poses: Sequence[Keyframe
     frame_count = session.view.video.frame_count
     require_pins(subject.pins, subject.body, frame_count)
     require_notes(session.notes, frame_count)
+    require_bonds(session.bonds, {body.id: body.body for body in session.bodies}, frame_count)
     require_ahead(subject.ahead, subject.body, frame_count)
     for keyframe in poses:
         _require_in_video(keyframe, frame_count)
@@ -314,6 +316,7 @@ class Session(Plain):
     )
     world: World = World()
     notes: NoteList = ()
+    bonds: BondList = ()
     settings: TrackSettings = TrackSettings()
 
     @classmethod
@@ -347,7 +350,9 @@ class Session(Plain):
     def about(self, body_id: str) -> Self:
         """The same about one of its bodies alone; KeyError where there is no such body."""
         posing = self.posing(body_id)
-        return posing.model_copy(update={"bodies": (posing.subject,), "posed_body": None})
+        bonds = tuple(bond for bond in self.bonds if set(bond.bodies) == {body_id})
+        update = {"bodies": (posing.subject,), "posed_body": None, "bonds": bonds}
+        return posing.model_copy(update=update)
 
     def posing(self, body_id: str) -> Self:
         """The same where another of its bodies is posed; KeyError where there is no such body."""

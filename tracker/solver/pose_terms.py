@@ -26,11 +26,14 @@ from keypose.tracker.solver.terms import (
 
 @dataclass(frozen=True, eq=False)
 class PointsInSpace(RowTerm):
-    """Points of the body at positions (..., K, 3) in the camera frame, metres."""
+    """Points of the body at positions (..., K, 3) in the camera frame, metres.
+
+    sigma_m: of all, or of each (..., K, 1): infinite where nothing is known.
+    """
 
     points: BodyPoints
     positions: Array
-    sigma_m: float
+    sigma_m: float | Array
 
     def cost(self, posed: Posed) -> float:
         return half_squares((self.points.of(posed) - self.positions) / self.sigma_m)
@@ -38,7 +41,9 @@ class PointsInSpace(RowTerm):
     def rows(self, posed: Posed) -> Rows:
         p, J = self.points.jacobian(posed)
         away = (p - self.positions) / self.sigma_m
-        return Rows(_flat(away), _rows_of(J / self.sigma_m), half_squares(away))
+        sigma_m = np.asarray(self.sigma_m)
+        scale = 1 / (sigma_m[..., None, :] if sigma_m.ndim else sigma_m)
+        return Rows(_flat(away), _rows_of(J * scale), half_squares(away))
 
 
 @dataclass(frozen=True, eq=False)

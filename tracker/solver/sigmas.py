@@ -215,6 +215,9 @@ PIN_M = 0.001
 FLOOR_M = 0.0005
 """Of a pinned point about its place, and of that place about the floor. A floor is uneven by
 some millimetres, but all frames of a place have one such residual, beside thousands of others."""
+BOND_M: Final = 0.0002
+"""Of a point that a bond holds about where it meets the other: both ends are solved for by
+themselves, and come as near as this lets each."""
 KEY_RAD = np.radians(4.0)
 KEY_SEEN_SHARE = 0.003
 KEY_DEPTH_SHARE = 0.05

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.solver.pose_terms import PosePrior
+from keypose.tracker.solver.pose_terms import PointsInSpace, PosePrior
+from keypose.tracker.solver.posed import BodyPoints
 from keypose.tracker.solver.sigmas import KNEE_RAD
 
 KNEES: Final = ("left_shin", "right_shin")
@@ -50,8 +51,45 @@ class PinnedPoint:
         return np.asarray(1 - np.clip(off, 0, fade + 1) / (fade + 1))
 
 
+@dataclass(frozen=True, eq=False)
+class HeldPoint:
+    """A point of the body that is at known places, p_camera (n, 3), at n frames one after the
+    other."""
+
+    part: int
+    p_part: tuple[float, float, float]
+    first_frame: int
+    p_camera: Array
+
+    @property
+    def last_frame(self) -> int:
+        """The last frame at which it is held."""
+        return self.first_frame + len(self.p_camera) - 1
+
+    def nearness(self, motion: Trajectory, fade: int) -> Array:
+        """As of a point that stays at one place."""
+        frames = (self.first_frame, self.last_frame)
+        return PinnedPoint(self.part, self.p_part, *frames).nearness(motion, fade)
+
+
+def at_places(
+    skeleton: Skeleton, motion: Trajectory, held: Sequence[HeldPoint], sigma_m: float
+) -> tuple[PointsInSpace, ...]:
+    """Held points at their places, over the frames at which they are."""
+    terms = []
+    for point in held:
+        positions = np.zeros((len(motion), 1, 3))
+        sigma = np.full((len(motion), 1, 1), np.inf)
+        start = point.first_frame - motion.first_frame
+        rows = slice(start, start + len(point.p_camera))
+        positions[rows, 0], sigma[rows] = point.p_camera, sigma_m
+        points = BodyPoints(skeleton, (((point.part, point.p_part),),))
+        terms.append(PointsInSpace(points, positions, sigma))
+    return tuple(terms)
+
+
 def near_pins(
-    motion: Trajectory, pins: Sequence[PinnedPoint], fade: int
+    motion: Trajectory, pins: Sequence[PinnedPoint | HeldPoint], fade: int
 ) -> tuple[list[tuple[int, tuple[float, float, float]]], NDArray[np.bool_]]:
     """The points that are held, K of them, and (N − 2, K) which second differences of each have a
     frame of the so many before and after its pins."""

@@ -53,6 +53,7 @@ from keypose.tracker.solver.sigmas import (
     BEND,
     BETWEEN_M,
     BETWEEN_SEEN_M,
+    BOND_M,
     DOUBT_FLOOR,
     END_M,
     EXACT_SEEN_SHARE,
@@ -75,7 +76,13 @@ from keypose.tracker.solver.smoothness import Increments, Smoothness, increments
 from keypose.tracker.solver.space_terms import SECOND, AtOnePlace, Differences, Floor, Near, OnFloor
 from keypose.tracker.solver.terms import Link, SharedTerm, Term
 from keypose.tracker.space.contacts import speed_m_s
-from keypose.tracker.space.pinned import PinnedPoint, knees_as_tracked, near_pins
+from keypose.tracker.space.pinned import (
+    HeldPoint,
+    PinnedPoint,
+    at_places,
+    knees_as_tracked,
+    near_pins,
+)
 from keypose.tracker.tracking.cues.anchors import with_free_joints
 from keypose.tracker.tracking.parts.limb_keyframes import (
     KeyedParts,
@@ -170,8 +177,9 @@ class SpaceProblem:
     observability (N − 1, P): how far the picture decided each part's motion, NaN where unknown.
     keyframes: frames whose pose is met exactly; soft: those met nearly; seen: those of these that
         are met exactly in the picture.  keyed_parts: limbs that are exact at other frames.
-    smooth: whether jerk counts.  up_world: unit vector.  floor_m: the floor's height along it,
-        where it is known.  tilt_rad: σ of up, which is as known where that is 0.  path: of the
+    held: points at known places.  smooth: whether jerk counts.  up_world: unit vector.  floor_m:
+        the floor's height along it, where it is known.  tilt_rad: σ of up, which is as known where
+        that is 0.  path: of the
         camera over these frames; None where it is the world.  films: others of the same motion.
     """
 
@@ -185,12 +193,18 @@ class SpaceProblem:
     seen: Collection[int] = ()
     keyed_parts: Sequence[KeyedParts] = ()
     pins: Sequence[PinnedPoint] = ()
+    held: Sequence[HeldPoint] = ()
     smooth: bool = True
     up_world: Array = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
     floor_m: float | None = None
     tilt_rad: float = 0.0
     path: CameraPath | None = None
     films: Sequence[FilmInSpace] = ()
+
+    @property
+    def points(self) -> tuple[PinnedPoint | HeldPoint, ...]:
+        """All points of the body whose place is given, or one."""
+        return (*self.pins, *self.held)
 
     @cached_property
     def motion_in_world(self) -> Trajectory:
@@ -238,6 +252,7 @@ def solve_space(
             *_keyframes(problem, skeleton),
             *_limbs(problem, skeleton),
             *knees_as_tracked(skeleton, problem.motion, problem.pins),
+            *at_places(skeleton, problem.motion, problem.held, BOND_M),
             _limits(problem, skeleton),
         ),
         _links(problem, skeleton),
@@ -284,7 +299,7 @@ def _free(problem: SpaceProblem) -> Skeleton:
     corner at each of them.
     """
     skeleton = problem.skeleton
-    names = {skeleton.body.names[pin.part] for pin in problem.pins}
+    names = {skeleton.body.names[pin.part] for pin in problem.points}
     if is_persons(skeleton.body):
         skeleton = with_free_joints(skeleton)
         names |= parts_of_known_jerk(skeleton.body)
@@ -441,7 +456,7 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
         rate = problem.frames_per_second
         points, sigma = jerk_points(skeleton, problem.in_world(motion), rate)
         links.append(Differences(skeleton, points, sigma, rate))
-    if problem.pins:
+    if problem.points:
         links.append(_evenly(problem, skeleton))
     if problem.path is not None:
         links = [LinkIn(link, problem.path.Ts_world_camera) for link in links]
@@ -451,7 +466,7 @@ def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
 def _evenly(problem: SpaceProblem, skeleton: Skeleton) -> Link:
     """What a pin changes of the motion comes evenly before it begins, and goes after it ends."""
     motion, rate = problem.motion_in_world, problem.frames_per_second
-    places, near = near_pins(motion, problem.pins, round(FADE_S * rate))
+    places, near = near_pins(motion, problem.points, round(FADE_S * rate))
     sigma = np.where(near, PIN_CHANGE_M_S2, np.inf)
     points = BodyPoints(skeleton, tuple((place,) for place in places))
     change = Differences(skeleton, points, sigma, rate, SECOND)

@@ -64,7 +64,7 @@ class Results:
         """The results that are those of the session's present segments, finished or not; in space
         where that was solved for."""
         segment_results = self._as_tracked(session)
-        for stretch in stretches(session, segment_results):
+        for stretch in self._stretches(session):
             solved = self.in_space.get(stretch.key)
             if solved is not None:
                 placed = (segment.in_space(solved.motion) for segment in stretch.segments)
@@ -73,17 +73,20 @@ class Results:
 
     def unsolved(self, session: Session) -> list[SegmentRun]:
         """The stretches whose motion in space is not known yet."""
-        segment_runs = stretches(session, self._as_tracked(session))
-        return [stretch for stretch in segment_runs if stretch.key not in self.in_space]
+        return [run for run in self._stretches(session) if run.key not in self.in_space]
 
     def space(self, session: Session) -> list[SpaceResult]:
         """What is known of the session's motion in space."""
-        segment_runs = stretches(session, self._as_tracked(session))
         return [
-            self.in_space[segment_run.key]
-            for segment_run in segment_runs
-            if segment_run.key in self.in_space
+            self.in_space[run.key] for run in self._stretches(session) if run.key in self.in_space
         ]
+
+    def _stretches(self, session: Session) -> list[SegmentRun]:
+        """What there is to solve of the body that is posed, beside those that bonds join it to."""
+        own = session.subject.id
+        joined = {each for bond in session.bonds if own in bond.bodies for each in bond.bodies}
+        beside = {each: self._as_tracked(session.posing(each)) for each in joined - {own}}
+        return stretches(session, self._as_tracked(session), beside)
 
     def _as_tracked(self, session: Session) -> dict[Span, SegmentResult]:
         keys = segment_keys(session)

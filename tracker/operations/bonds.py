@@ -1,0 +1,66 @@
+"""Where bonds hold points of a body: where its own motion and that of the other body have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.geometry.rotations import Array, apply_transform
+from keypose.tracker.session.bodies import TrackedBody
+from keypose.tracker.session.bonds import Bond, BondEnd
+from keypose.tracker.session.schema import Session
+from keypose.tracker.space.pinned import HeldPoint
+
+NEAREST_FRAMES = 1e-6
+"""From a keyframe: what is at it does not give way, unless the other does not either."""
+
+
+def held_points(
+    session: Session, bonds: Sequence[Bond], motions: Mapping[str, Trajectory]
+) -> list[HeldPoint]:
+    """The points of the body that is posed which bonds hold, at the places where both of their ends
+    meet.
+
+    bonds: within the frames of all motions.  motions: by the id of their body, without bonds.
+    """
+    own, points = session.subject, []
+    for bond in bonds:
+        places = meeting_places(session, bond, motions)
+        for end in bond.ends:
+            if end.body == own.id:
+                part = own.body.index(end.part)
+                points.append(HeldPoint(part, end.point_m, bond.first_frame, places))
+    return points
+
+
+def meeting_places(session: Session, bond: Bond, motions: Mapping[str, Trajectory]) -> Array:
+    """(n, 3) where both ends of a bond are at each of its frames, camera frame: between them, the
+    nearer to one that a keyframe of its body is, or where the one is that is not moved."""
+    frames = np.arange(bond.first_frame, bond.last_frame + 1, dtype=np.int64)
+    bodies = {body.id: body for body in session.bodies}
+    holder, held = (_at(bodies[end.body], end, motions[end.body], frames) for end in bond.ends)
+    if bond.moves == "held":
+        return holder
+    if bond.moves == "holder":
+        return held
+    free = [_frames_from_keyframes(bodies[end.body], frames) for end in bond.ends]
+    share = (free[0] / (free[0] + free[1]))[:, None]
+    return np.asarray(holder + share * (held - holder))
+
+
+def _at(body: TrackedBody, end: BondEnd, motion: Trajectory, frames: NDArray[np.int64]) -> Array:
+    rows = frames - motion.first_frame
+    Ts = motion.transforms(Skeleton.of(body.body))[rows, body.body.index(end.part)]
+    return apply_transform(Ts, np.array(end.point_m)[None, None])[:, 0]
+
+
+def _frames_from_keyframes(body: TrackedBody, frames: NDArray[np.int64]) -> Array:
+    """(n,) frames to the nearest keyframe that is met exactly."""
+    exact = np.array([keyframe.frame for keyframe in body.keyframes if not keyframe.soft])
+    if not len(exact):
+        return np.full(len(frames), 1.0)
+    return np.asarray(np.maximum(np.abs(frames[:, None] - exact).min(axis=1), NEAREST_FRAMES))
