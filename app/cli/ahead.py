@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from keypose.app.cli.exit_codes import DONE, INTERRUPTED, NOT_ALL_DONE
@@ -19,6 +19,7 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.operations.track import track_ahead
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.storage.files import open_video_of, save_session
 from keypose.tracker.storage.sidecars import keypoints_of_session
 from keypose.tracker.tracking.ahead.follow import FoundAhead
@@ -32,11 +33,17 @@ _WAYS: Mapping[str, tuple[Direction, ...]] = {
 }
 
 
-def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.Namespace) -> int:
+def track_ahead_and_save(
+    session: Session,
+    asked: Session,
+    bodies: Sequence[TrackedBody],
+    arguments: argparse.Namespace,
+) -> int:
     """Follow the body as the session was asked for, save the drafts and print how far it came; the
     exit code.
 
-    session: what is saved.  asked: the same with the command line's settings, for this run alone.
+    session: what is saved, about the body that is followed.  asked: the same with the command
+    line's settings, for this run alone.  bodies: all that the session's file has.
     arguments: session, ahead, out, overwrite, json.
     """
     require_place(arguments)
@@ -55,7 +62,7 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
             )
         if any(each.to_frame != each.frame for each in followed):
             if arguments.out is None:
-                save_session(session, place)
+                save_session(session.among(bodies), place)
             else:
                 write_copy(session.changed({"results": None}), arguments)
     _print(followed, str(place), arguments.json)

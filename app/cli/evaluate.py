@@ -5,15 +5,15 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from keypose.app.cli.arguments import (
-    note,
-)
+from keypose.app.cli.arguments import note
+from keypose.app.cli.bodies import about_one
 from keypose.app.cli.json_output import json_value, print_json
 from keypose.tracker.apart import reading_apart
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.evaluate import Evaluation, Measure, Spread, evaluate, evaluate_joints
 from keypose.tracker.formats.reference import load_reference
+from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.fingerprints import open_ends
 from keypose.tracker.storage.outdated import outdated_words, tracked_keyframes
@@ -29,7 +29,8 @@ _KINDS = {
 
 
 def run(arguments: argparse.Namespace) -> int:
-    evaluation = _evaluation(arguments.session, arguments.reference)
+    session = about_one(load_session(arguments.session), arguments)
+    evaluation = _evaluation(session, arguments.session, arguments.reference)
     if arguments.json:
         print_json({"reference": str(arguments.reference), **json_value(evaluation)}, indent=2)
         return 0
@@ -39,9 +40,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
+def _evaluation(session: Session, session_path: Path, reference_path: Path) -> Evaluation:
     with reading_apart(load_reference) as read:
-        session = load_session(session_path)
         skeleton, camera = Skeleton.of(session.subject.body), session.view.camera
         reference = read(reference_path, skeleton)
     estimate = load_trajectory(session, session_path)

@@ -9,10 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from keypose.app.cli.arguments import (
-    note,
-    order_of,
-)
+from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.bodies import about_one
 from keypose.app.cli.json_output import print_json, print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
@@ -26,7 +24,8 @@ from keypose.tracker.storage.files import open_video_of
 
 
 def run(arguments: argparse.Namespace) -> int:
-    session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
+    whole, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
+    session = about_one(whole, arguments)
     order = order_of(FilmOrder, arguments)
     require_tint(session, order.tint)
     poses = KnownPoses.of(session, arguments.session)

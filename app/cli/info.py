@@ -1,19 +1,25 @@
-"""`keypose info`: the facts of a video, or of meshes."""
+"""`keypose info`: the facts of a video, of meshes, or of a session's bodies."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from keypose.app.cli.arguments import is_session_named, session_file
+from keypose.app.cli.bodies import about_each
 from keypose.app.cli.json_output import print_json
 from keypose.app.words.problems import repeats_words
 from keypose.tracker.body.trajectory import runs
-from keypose.tracker.errors import SurfaceError
+from keypose.tracker.errors import SessionError, SurfaceError
+from keypose.tracker.session import Session
+from keypose.tracker.storage.files import load_session
+from keypose.tracker.storage.results import load_results
 from keypose.tracker.surface.files.sequence import MeshSequence, describe_unusable
 from keypose.tracker.surface.new_session import first_mesh
 from keypose.tracker.surface.picture import CONTAINER
@@ -25,7 +31,12 @@ Description: TypeAlias = tuple[dict[str, Any], list[str]]
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if holds_meshes(arguments.video):
+    is_session = is_session_named(arguments.video) and not holds_meshes(arguments.video)
+    if arguments.body is not None and not is_session:
+        raise SessionError("--body is for a session: give the session's file or folder.")
+    if is_session:
+        facts, lines = _of_session(arguments)
+    elif holds_meshes(arguments.video):
         facts, lines = _of_meshes(arguments.video, arguments.check)
     else:
         facts, lines = _of_video(arguments.video, arguments.check)
@@ -35,6 +46,40 @@ def run(arguments: argparse.Namespace) -> int:
     for line in lines:
         print(line)
     return 0
+
+
+def _of_session(arguments: argparse.Namespace) -> Description:
+    if arguments.check:
+        raise SessionError("--check is for a video or meshes: give the session's own.")
+    path = session_file(str(arguments.video))
+    session = load_session(path)
+    each = {about.subject.id: _body_facts(about, path) for about in about_each(session, arguments)}
+    facts = {"session": str(path), "video": session.view.video.path, "bodies": each}
+    return facts, [str(path), *(_body_line(name, body) for name, body in each.items())]
+
+
+def _body_facts(session: Session, path: Path) -> dict[str, Any]:
+    subject = session.subject
+    states = load_results(session, path).states(session).values()
+    return {
+        "name": subject.body.name,
+        "parts": len(subject.body.parts),
+        "keyframes": [keyframe.frame for keyframe in subject.keyframes],
+        "drafts": [keyframe.frame for keyframe in subject.drafts],
+        "pins": len(subject.pins),
+        "segments": dict(Counter(states)),
+    }
+
+
+def _body_line(body_id: str, facts: dict[str, Any]) -> str:
+    """Such as "  second  box; parts: 1, keyframes: 4, drafts: 0, segments: 2 good, 1 to check"."""
+    words = {"none": "not tracked", "check": "to check"}
+    segments = [f"{count} {words.get(state, state)}" for state, count in facts["segments"].items()]
+    return (
+        f"  {body_id:<12}{facts['name']}; parts: {facts['parts']}, "
+        f"keyframes: {len(facts['keyframes'])}, drafts: {len(facts['drafts'])}, "
+        f"segments: {', '.join(segments) or 'none'}"
+    )
 
 
 def _of_video(path: Path, check: bool) -> Description:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from keypose.app.cli.bodies import about_one
 from keypose.app.cli.change import Change, run_change
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible
 from keypose.tracker.body.skeleton import Skeleton
@@ -26,11 +27,14 @@ def run(arguments: argparse.Namespace) -> int:
     return run_change(arguments, _change)
 
 
-def _change(session: Session, arguments: argparse.Namespace) -> Change:
+def _change(whole: Session, arguments: argparse.Namespace) -> Change:
+    session = about_one(whole, arguments)
     reducible_motion, reduction = _reduced(session, arguments)
     facts = _facts(session, reducible_motion, reduction)
     return Change(
-        lambda: _with_reduction(session, reducible_motion, reduction, arguments),
+        lambda: _with_reduction(session, reducible_motion, reduction, arguments).among(
+            whole.bodies
+        ),
         tuple(_lines(reducible_motion, reduction, facts)),
         {**facts, "written": None if arguments.dry_run else str(arguments.session)},
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from keypose.app.cli.bodies import about_each, by_body, heading
 from keypose.app.cli.json_output import print_json
 from keypose.app.words.review import (
     answers_words,
@@ -14,6 +15,7 @@ from keypose.app.words.review import (
     row_of_place,
 )
 from keypose.tracker.review.places import Place, Review, review_of
+from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session
 from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import load_results
@@ -22,18 +24,31 @@ from keypose.tracker.storage.tracks import load_tracks
 
 def run(arguments: argparse.Namespace) -> int:
     session = load_session(arguments.session)
-    motion = None if session.subject.results is None else load_tracks(session, arguments.session)
-    review = review_of(session, load_results(session, arguments.session))
-    if arguments.frames is not None:
-        review = review.between(*arguments.frames)
-    goal = arguments.above or review.goal_px
+    bodies = about_each(session, arguments)
+    reviews = {about.subject.id: _review(about, arguments) for about in bodies}
     if arguments.json:
-        print_json(_facts(review, goal), indent=2)
+        facts = {
+            name: _facts(review, arguments.above or review.goal_px)
+            for name, review in reviews.items()
+        }
+        print_json(by_body(facts, session), indent=2)
         return 0
-    outdated = None if motion is None else outdated_words(session, motion)
-    for line in (*_to_track(review, outdated), *_table(review, goal)):
-        print(line)
+    for about, review in zip(bodies, reviews.values(), strict=True):
+        path, goal = arguments.session, arguments.above or review.goal_px
+        motion = None if about.subject.results is None else load_tracks(about, path)
+        outdated = None if motion is None else outdated_words(about, motion)
+        for line in (
+            *heading(about, session),
+            *_to_track(review, outdated),
+            *_table(review, goal),
+        ):
+            print(line)
     return 0
+
+
+def _review(session: Session, arguments: argparse.Namespace) -> Review:
+    review = review_of(session, load_results(session, arguments.session))
+    return review if arguments.frames is None else review.between(*arguments.frames)
 
 
 def _facts(review: Review, goal: int) -> dict[str, Any]:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from keypose.app.cli.arguments import (
-    note,
-    order_of,
-)
+from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.bodies import about_one
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import session_to_draw
 from keypose.app.export.drawable import require_tint
@@ -18,7 +16,8 @@ from keypose.tracker.storage.files import open_video_of
 
 
 def run(arguments: argparse.Namespace) -> int:
-    session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
+    whole, out = session_to_draw(arguments, "picture", ".png"), arguments.out
+    session = about_one(whole, arguments)
     order = order_of(SheetOrder, arguments)
     require_tint(session, order.tint)
     with open_video_of(session, arguments.session) as video:

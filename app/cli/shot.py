@@ -7,10 +7,8 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-from keypose.app.cli.arguments import (
-    note,
-    order_of,
-)
+from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.bodies import about_one
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
@@ -29,7 +27,8 @@ from keypose.tracker.storage.tracks import load_tracks
 
 
 def run(arguments: argparse.Namespace) -> int:
-    session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
+    whole, out = session_to_draw(arguments, "picture", ".png"), arguments.out
+    session = about_one(whole, arguments)
     order = order_of(PictureOrder, arguments)
     require_tint(session, order.tint)
     _require_size(session, order)

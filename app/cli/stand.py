@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 
+from keypose.app.cli.arguments import note
+from keypose.app.cli.bodies import about_each, by_body, heading
 from keypose.app.cli.change import Change, run_change
-from keypose.app.jobs.stand import stood
+from keypose.app.jobs.stand import resolved, stood
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
+from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.up import Disagreement
 from keypose.tracker.operations.stand import Standing
 from keypose.tracker.session import Session
@@ -21,19 +27,70 @@ def run(arguments: argparse.Namespace) -> int:
     return run_change(arguments, _stood)
 
 
+@dataclass(frozen=True, eq=False)
+class _Stood:
+    """What became of one body."""
+
+    done: Standing
+    results: Results
+
+    @property
+    def soles(self) -> Soles | None:
+        return soles_of(self.done.session, self.results.space(self.done.session))
+
+
 def _stood(session: Session, arguments: argparse.Namespace) -> Change:
-    path = arguments.session
+    """Stand the bodies one after the other on one floor: that which the first of them finds."""
+    path, standing = arguments.session, dict[str, _Stood]()
+    whole, asked = session, [about.subject.id for about in about_each(session, arguments)]
+    refused: SessionError | None = None
+    for name in asked:
+        try:
+            each = _stood_after(whole.about(name), path, list(standing.values()))
+        except SessionError as error:
+            refused = refused or error
+            if len(asked) > 1:
+                note(f"{name} was not stood on the floor. {error}")
+            continue
+        standing[name] = each
+        whole = each.done.session.among(whole.bodies)
+    if refused is not None and not standing:
+        raise refused
+    results = {name: each.results for name, each in standing.items()}
+    for body in whole.bodies:
+        if body.id not in standing and body.results is not None:
+            about = whole.about(body.id)
+            results[body.id] = resolved(about, load_results(about, path))
+    lines = [
+        line
+        for each in standing.values()
+        for line in (*heading(each.done.session, session), *_lines(each))
+    ]
+    facts = {name: _facts(each.done, each.soles) for name, each in standing.items()}
+    return Change(lambda: _saved(whole, path, results), tuple(lines), by_body(facts, session))
+
+
+def _stood_after(session: Session, path: Path, before: Sequence[_Stood]) -> _Stood:
+    """One body, in the world where others stand already, unless it is the first."""
+    if not before:
+        return _Stood(*stood(session, path, load_results(session, path)))
+    world = before[0].done.session.world
+    as_set = world.model_copy(update={"up_from": (*world.up_from, "set")})
+    session = session.model_copy(update={"world": as_set})
     done, results = stood(session, path, load_results(session, path))
-    soles = soles_of(done.session, results.space(done.session))
-    return Change(
-        lambda: save_results(done.session, path, results),
-        _lines(done, soles, results),
-        _facts(done, soles),
-    )
+    there = done.session.model_copy(update={"world": world})
+    return _Stood(replace(done, session=there), resolved(there, results))
 
 
-def _lines(done: Standing, soles: Soles | None, results: Results) -> tuple[str, ...]:
-    held = [pin for stretch in results.space(done.session) for pin in stretch.pins]
+def _saved(whole: Session, path: Path, results: Mapping[str, Results]) -> Session:
+    for name, each in results.items():
+        whole = save_results(whole.about(name), path, each).among(whole.bodies)
+    return whole
+
+
+def _lines(stood_body: _Stood) -> tuple[str, ...]:
+    done, soles = stood_body.done, stood_body.soles
+    held = [pin for stretch in stood_body.results.space(done.session) for pin in stretch.pins]
     return (
         standing_words(done),
         *(() if soles is None else (soles_words(soles),)),

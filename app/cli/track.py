@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 
-from keypose.app.cli.arguments import order_of
+from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.bodies import about_each, about_one, heading
+from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import share_reporter
 from keypose.app.cli.outcome import locked_place, track_and_save
 from keypose.app.jobs.find_camera import find_saved, found_words, is_camera_wanted, with_found
@@ -48,10 +52,12 @@ def _with_camera(session: Session, asked: Session, arguments: argparse.Namespace
 
 
 def run(arguments: argparse.Namespace) -> int:
-    session = _as_taken(load_session(arguments.session), arguments)
+    session = load_session(arguments.session)
+    if arguments.out is not None and len(session.bodies) > 1:
+        raise SessionError("A copy is made of sessions of one body: leave --out away.")
+    session = _as_taken(session, arguments)
     if arguments.ahead is None:
-        for body in session.bodies:
-            require_trackable(session.about(body.id), arguments.session)
+        bodies = _trackable(about_each(session, arguments), arguments.session)
     elif arguments.frames is not None:
         raise SessionError("--frames is for segments: tracking ahead goes as far as it can.")
     order = order_of(TrackOrder, arguments)
@@ -60,11 +66,40 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.ahead is not None:
         from keypose.app.cli.ahead import track_ahead_and_save  # which loads the page's edits
 
-        return track_ahead_and_save(session, asked, arguments)
-    if arguments.out is not None and len(session.bodies) > 1:
-        raise SessionError("A copy is made of sessions of one body: leave --out away.")
-    codes = [
-        track_and_save(session.about(body.id), asked.about(body.id), arguments, arguments.frames)
-        for body in session.bodies
-    ]
+        about = about_one(session, arguments)
+        asked = asked.about(about.subject.id)
+        return track_ahead_and_save(about, asked, session.bodies, arguments)
+    codes = []
+    for name in bodies:
+        _announce(session.about(name), session, arguments.json)
+        codes.append(
+            track_and_save(session.about(name), asked.about(name), arguments, arguments.frames)
+        )
     return max(codes)
+
+
+def _announce(about: Session, of: Session, as_json: bool) -> None:
+    """Say which of several bodies what follows is about."""
+    if as_json and len(of.bodies) > 1:
+        print_json({"event": "body_started", "body": about.subject.id})
+    elif not as_json:
+        for line in heading(about, of):
+            print(line, flush=True)
+
+
+def _trackable(bodies: Sequence[Session], path: Path) -> list[str]:
+    """The ids of the bodies that can be tracked, with a note of each of several that cannot;
+    SessionError where none can."""
+    ids, refused = [], list[SessionError]()
+    for about in bodies:
+        try:
+            require_trackable(about, path)
+        except SessionError as error:
+            refused.append(error)
+            if len(bodies) > 1:
+                note(f"{about.subject.id} was not tracked. {error}")
+        else:
+            ids.append(about.subject.id)
+    if not ids:
+        raise refused[0]
+    return ids

@@ -54,16 +54,24 @@ def stood(
 
     path: of its file.  results: what was tracked.
     """
-    from keypose.tracker.operations.solve_space import solved  # loads what only this needs
-    from keypose.tracker.operations.stand import stand
+    from keypose.tracker.operations.stand import stand  # loads what only this needs
     from keypose.tracker.storage.tracks import load_tracks
 
     up_evidence = _seen(session, path)
     motion = None if session.subject.results is None else load_tracks(session, path)
     done = stand(session, results.fitting(session), up_evidence, cancelled, motion=motion)
-    for stretch in results.unsolved(done.session):
-        results = results.with_space(solved(done.session, stretch, cancelled))
-    return done, results
+    return done, resolved(done.session, results, cancelled)
+
+
+def resolved(
+    session: Session, results: Results, cancelled: Callable[[], bool] | None = None
+) -> Results:
+    """The results with the motion solved for in space wherever that is not known."""
+    from keypose.tracker.operations.solve_space import solved  # loads what only this needs
+
+    for stretch in results.unsolved(session):
+        results = results.with_space(solved(session, stretch, cancelled))
+    return results
 
 
 def _seen(session: Session, path: Path) -> UpEvidence | None:

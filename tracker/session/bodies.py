@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import Field, model_validator
 
 from keypose.tracker.body.body import Body
+from keypose.tracker.errors import SessionError, listed
 from keypose.tracker.session.annotations import (
     Ahead,
     Drafted,
@@ -85,3 +87,23 @@ class TrackedBody(Plain):
     @classmethod
     def _is_of_usable_size(cls, data: Any) -> Any:
         return few(data)
+
+
+def body_called(bodies: Sequence[TrackedBody], name: str) -> TrackedBody:
+    """The body of an id, or else the only one of a name; SessionError says which there are."""
+    by_id = [body for body in bodies if body.id == name]
+    matching = by_id or [body for body in bodies if body.body.name == name]
+    if len(matching) == 1:
+        return matching[0]
+    fault = f"{len(matching)} bodies are" if matching else "No body is"
+    raise SessionError(f"{fault} called {name[:60]!r}: choose by id from {bodies_words(bodies)}.")
+
+
+def bodies_words(bodies: Sequence[TrackedBody]) -> str:
+    """Such as "body (adult_male) and ball": ids, and names that differ from them."""
+    return listed([called(body) for body in bodies])
+
+
+def called(body: TrackedBody) -> str:
+    """Such as "body (adult_male)", or "ball" where id and name are the same."""
+    return body.id if body.id == body.body.name else f"{body.id} ({body.body.name})"

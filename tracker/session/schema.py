@@ -31,7 +31,7 @@ from keypose.tracker.session.annotations import (
     require_corrections,
     require_notes,
 )
-from keypose.tracker.session.bodies import TrackedBody, ViewKeypoints
+from keypose.tracker.session.bodies import TrackedBody, ViewKeypoints, body_called
 from keypose.tracker.session.bonds import BondList, require_bonds
 from keypose.tracker.session.camera_motion import path_through
 from keypose.tracker.session.counts import MOST, few, require_few
@@ -378,6 +378,11 @@ class Session(Plain):
         there = whole.posing(self.subject.id).with_body(self.subject)
         update = {"bodies": there.bodies, "posed_body": there.posed_body}
         return self.model_copy(update=update).posing(whole.subject.id)
+
+    def about_called(self, name: str) -> Self:
+        """The same about the body of an id, or the only one of a name, alone; SessionError says
+        which there are."""
+        return self.about(body_called(self.bodies, name).id)
 
     def alone(self, view_id: str) -> Self:
         """The same about one of its views alone, as if that were the first; KeyError where there

@@ -19,6 +19,7 @@ from keypose.app.cli.arguments import (
     motion_formats,
 )
 from keypose.app.export.motion_formats import FORMATS
+from keypose.app.orders.bodies import EachBody
 from keypose.app.orders.imports import IMPORTS
 from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.errors import listed
@@ -157,21 +158,23 @@ _INFO_EXAMPLES = """\
   keypose info jump.mp4 --json
   keypose info jump.mp4 --check
   keypose info scan --check
+  keypose info jump.keypose
 """
 
 
 def add_info(commands: Subcommands) -> None:
     details = (
         "For a folder of meshes, one per time step: the number of steps, their size, whether "
-        "the first one has holes, and which steps have no file."
+        "the first one has holes, and which steps have no file. Of a session: its bodies."
     )
     command = add_command(commands, "info", details, _INFO_EXAMPLES)
     command.add_argument(
         "video",
-        metavar="VIDEO|MESHES",
+        metavar="VIDEO|MESHES|SESSION",
         type=file_name,
-        help="video file, folder of images, or folder of meshes",
+        help="video file, folder of images, folder of meshes, or a session's file or folder",
     )
+    add_order(command, EachBody)
     command.add_argument(
         "--check",
         action="store_true",

@@ -25,6 +25,7 @@ from keypose.app.cli.arguments import (
     session_file,
     typed,
 )
+from keypose.app.orders.bodies import EachBody, OneBody
 from keypose.app.orders.film import BesideOrder, FilmOrder, RunOrder
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
@@ -126,6 +127,7 @@ def add_track(commands: Subcommands) -> None:
     )
     command = add_command(commands, "track", details, _TRACK_EXAMPLES)
     add_session(command)
+    add_order(command, EachBody)
     add_order(command, TrackOrder)
     add_order(command, Within)
     command.add_argument(
@@ -154,6 +156,7 @@ def add_stand(commands: Subcommands) -> None:
     )
     command = add_command(commands, "stand", details, _STAND_EXAMPLES)
     add_session(command)
+    add_order(command, EachBody)
     command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"
     )
@@ -220,6 +223,7 @@ def add_review(commands: Subcommands) -> None:
     )
     command = add_command(commands, "review", details, _REVIEW_EXAMPLES)
     add_session(command)
+    add_order(command, EachBody)
     add_order(command, Within)
     command.add_argument(
         "--above",
@@ -260,6 +264,7 @@ def add_reduce(commands: Subcommands) -> None:
     )
     command = add_command(commands, "reduce", details, _REDUCE_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     goal = command.add_mutually_exclusive_group()
     goal.add_argument(
         "--every",
@@ -552,6 +557,7 @@ def add_evaluate(commands: Subcommands) -> None:
     )
     command = add_command(commands, "evaluate", details, _EVALUATE_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     command.add_argument(
         "--reference",
         metavar="FILE",

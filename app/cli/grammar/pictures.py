@@ -10,6 +10,7 @@ from keypose.app.cli.arguments import (
     add_session,
     typed,
 )
+from keypose.app.orders.bodies import EachBody, OneBody
 from keypose.app.orders.drawing import FilmOrder, MatteOrder, PictureOrder, SheetOrder
 from keypose.app.orders.values import Whole
 
@@ -32,6 +33,7 @@ def add_shot(commands: Subcommands) -> None:
     )
     command = add_command(commands, "shot", details, _SHOT_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     command.add_argument(
         "--frame", metavar="N", type=typed(Whole(least=0)), required=True, help="the frame to draw"
     )
@@ -57,6 +59,7 @@ def add_film(commands: Subcommands) -> None:
     )
     command = add_command(commands, "film", details, _FILM_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     add_order(command, FilmOrder)
     add_output(command, "FILE.mp4")
 
@@ -75,6 +78,7 @@ def add_sheet(commands: Subcommands) -> None:
     )
     command = add_command(commands, "sheet", details, _SHEET_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     add_order(command, SheetOrder)
     add_output(command, "FILE.png")
 
@@ -114,4 +118,5 @@ def add_report(commands: Subcommands) -> None:
     )
     command = add_command(commands, "report", details, _REPORT_EXAMPLES)
     add_session(command)
+    add_order(command, EachBody)
     add_output(command, "FILE.html")

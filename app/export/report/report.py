@@ -36,6 +36,7 @@ from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import answers_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.review.segments import JudgedSegments
+from keypose.tracker.session.bodies import called
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State
 from keypose.tracker.video import Video
@@ -65,29 +66,42 @@ PART_WORDS = "Each part's turns in its parent's frame, over the frames; dots are
 
 
 def report_html(session: Session, session_path: Path, video: Video | None = None) -> bytes:
-    """The report as one HTML file; without the video it has no pictures."""
-    subject = subject_of(session, session_path, None if video is None else video.info)
-    body = joined(
-        [
-            head_section(subject),
-            verdict_section(subject),
-            charts_section(subject),
-            motion_sections(subject),
-            derivatives_section(subject),
-            keyframes_section(subject),
-            notes_section(subject, video),
-            pictures_section(subject, video),
-        ]
-    )
-    return html_page(f"{subject.name} – Keypose report", body)
+    """The report as one HTML file, on one body after the other; without the video it has no
+    pictures."""
+    info = None if video is None else video.info
+    subjects = [subject_of(session.about(b.id), session_path, info) for b in session.bodies]
+    several = len(subjects) > 1
+    parts = [
+        part
+        for subject in subjects
+        for part in _sections(subject, video, called(subject.session.subject) if several else "")
+    ]
+    body = joined([*parts, notes_section(subjects[0], video)] if several else parts)
+    return html_page(f"{subjects[0].name} – Keypose report", body)
 
 
-def head_section(subject: Subject) -> Html:
-    """The name, the facts, and all that was found in a sentence or two."""
+def _sections(subject: Subject, video: Video | None, body: str) -> list[Child]:
+    """All on one body.  body: what it is called, where the session has several, whose notes follow
+    at the end."""
+    return [
+        head_section(subject, body),
+        verdict_section(subject),
+        charts_section(subject),
+        motion_sections(subject),
+        derivatives_section(subject),
+        keyframes_section(subject),
+        *([] if body else [notes_section(subject, video)]),
+        pictures_section(subject, video),
+    ]
+
+
+def head_section(subject: Subject, body: str = "") -> Html:
+    """The name, the facts, and all that was found in a sentence or two.  body: what that is called,
+    where the session has several."""
     return element(
         "header",
         element("div", logo(), element("span", "Keypose report"), class_="mark"),
-        element("h1", subject.name),
+        element("h1", f"{subject.name}: {body}" if body else subject.name),
         element("ul", *(element("li", fact) for fact in _facts(subject)), class_="facts"),
         *(element("p", words, class_="summary") for words in _summary(subject)),
         element("p", _sentence(subject.problem), class_="problem") if subject.problem else None,

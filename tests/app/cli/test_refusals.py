@@ -130,7 +130,7 @@ def test_a_wrong_session_is_one_sentence_and_nothing_is_written(
             "--out copies a session: there is no session in",
         ),
         (["info", "none.mp4"], "no file"),
-        (["info", "session.json"], "not a video"),
+        (["info", "session.json", "--check"], "--check is for a video or meshes"),
         (["schema", "world"], "invalid choice"),
     ],
 )

@@ -14,10 +14,14 @@ import pytest
 from keypose.app.cli.main import main
 from keypose.app.document.folder_lock import locked
 from keypose.app.jobs import find_up
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.session import Session
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.settings import TrackSettings
+from keypose.tracker.space.soles import soles_of
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, load_results, save_results
 from tests.scenes import sample
@@ -196,3 +200,63 @@ def test_what_is_not_tracked_is_refused_in_one_sentence(
     save_session(load_session(path).changed({"results": None}), path)
     assert main(["stand", str(path)]) == 2
     assert capsys.readouterr().err == "Nothing is tracked yet: track the motion first.\n"
+
+
+@pytest.fixture
+def three(path: Path) -> Path:
+    """Two who stride side by side, tracked, and a box."""
+    session, aside = load_session(path), np.array([0.6, -0.04, 0.0])
+    moved = Trajectory(0, MOTION.Rs_parent_part, MOTION.ps_camera_root + aside)
+    there = session_of(SHOWN, moved, video=session.view.video)
+    keyframes = tuple(k for k in there.subject.keyframes if k.frame <= 60)
+    there = there.changed({"keyframes": keyframes})
+    second = save_results(there, path, results_of(there, moved)).subject
+    second = second.model_copy(update={"id": "second"})
+    box = TrackedBody(id="crate", body=preset("box"))
+    bodies = (session.subject, second, box)
+    save_session(session.model_copy(update={"bodies": bodies}), path)
+    return path
+
+
+def test_several_bodies_stand_on_one_floor_and_what_has_no_feet_is_said(
+    three: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["stand", str(three)]) == 0
+    said = capsys.readouterr()
+    assert "crate was not stood on the floor. The body 'box' has no feet" in said.err
+    assert [line for line in said.out.splitlines() if line.endswith(":")] == [
+        "body (adult_male):",
+        "second (adult_male):",
+    ]
+    saved = load_session(three)
+    assert saved.world.floor_m is not None
+    assert "set" not in saved.world.up_from
+    for name in ("body", "second"):
+        about = saved.about(name)
+        results = load_results(about, three)
+        soles = soles_of(about, results.space(about))
+        assert about.subject.pins
+        assert results.unsolved(about) == []
+        assert soles is not None
+        assert abs(soles.off_m or 0.0) < 0.03  # the second was tracked 4 cm above
+
+
+def test_one_body_that_stands_takes_the_motion_of_the_rest_into_its_world(three: Path) -> None:
+    before = load_session(three)
+    assert main(["stand", str(three), "--body", "second"]) == 0
+    saved = load_session(three)
+    first = saved.about("body")
+    assert first.subject.keyframes == before.bodies[0].keyframes
+    assert first.subject.pins == ()
+    assert load_results(first, three).unsolved(first) == []
+    assert saved.bodies[1].pins
+    assert saved.world.floor_m is not None
+
+
+def test_a_body_that_is_asked_for_and_cannot_stand_is_refused(
+    three: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = three.read_bytes()
+    assert main(["stand", str(three), "--body", "crate"]) == 2
+    assert "has no feet with heel and toe" in capsys.readouterr().err
+    assert three.read_bytes() == before

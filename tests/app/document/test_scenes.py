@@ -16,19 +16,9 @@ from keypose.tracker.storage.edit_history import Moment, base_record, edit_recor
 from keypose.tracker.storage.files import journal_path, load_session, open_session, save_session
 from keypose.tracker.storage.journal import lines
 from keypose.tracker.storage.tracks import load_trajectory
+from tests.app.bodies_cases import of_two
 from tests.scenes import sample
 from tests.tracker import session_cases as cases
-
-
-def of_two(session: Session) -> Session:
-    """The same body twice, the second a little aside."""
-    first = session.subject
-    moved = tuple(
-        keyframe.model_copy(update={"root_m": (keyframe.root_m[0] + 0.01, *keyframe.root_m[1:])})
-        for keyframe in first.keyframes
-    )
-    second = first.model_copy(update={"id": "second", "keyframes": moved})
-    return session.model_copy(update={"bodies": (first, second)})
 
 
 @pytest.fixture
