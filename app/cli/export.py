@@ -7,24 +7,24 @@ from pathlib import Path
 
 import numpy as np
 
-from keypose.app.cli.arguments import (
-    note,
-    order_of,
-)
+from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.bodies import about_each, of_body
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import video_if_there
 from keypose.app.export.motion_files import (
-    motion_files,
+    files_of_bodies,
     outdated_files,
-    sampling_words,
-    saved_motion,
+    sampling_sentences,
+    saved_motions,
 )
 from keypose.app.export.motion_formats import require_meant
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.words.camera import unscaled_words
 from keypose.tracker.errors import FormatError
+from keypose.tracker.formats.recording import Recording
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session import Session
+from keypose.tracker.session.bodies import bodies_words
 from keypose.tracker.storage.atomic import (
     make_folder,
     require_absent,
@@ -41,19 +41,19 @@ def run(arguments: argparse.Namespace) -> int:
     order = order_of(MotionOrder, arguments)
     require_meant(order, arguments.format)
     session = load_session(arguments.session)
-    tracks = load_tracks(session, arguments.session)
-    folder = arguments.session.absolute().parent
-    recording = saved_motion(session, tracks, *_clock(session, arguments.session), folder)
-    files = {
-        name: content
-        for format_name in arguments.format
-        for name, content in motion_files(format_name, recording, order).items()
-    }
+    bodies = _recordings(session, arguments)
+    files, refused = dict[str, bytes](), list[str]()
+    for format_name in arguments.format:
+        of_format, not_written = files_of_bodies(format_name, bodies, order)
+        files |= of_format
+        refused += not_written
     for_model = None
     if arguments.model is not None:
         from keypose.app.export.opensim_files import files_for_model  # loads what only this needs
 
-        for_model = files_for_model(recording, order, arguments.model, arguments.out)
+        if len(bodies) > 1:
+            raise FormatError("--model is for one body: choose it with --body.")
+        for_model = files_for_model(bodies[0], order, arguments.model, arguments.out)
         files |= for_model.files
     places = {arguments.out / name: content for name, content in files.items()}
     if not arguments.overwrite:
@@ -63,14 +63,37 @@ def run(arguments: argparse.Namespace) -> int:
     for place, content in places.items():
         write_file(place, content, overwrite=arguments.overwrite)
     for format_name in arguments.format if arguments.overwrite else ():
-        for name in outdated_files(format_name, files):
+        for name in outdated_files(format_name, files, [body.body_id for body in bodies]):
             (arguments.out / name).unlink(missing_ok=True)
     print_written(places, arguments.json)
     note(for_model.words if for_model else None)
-    note(sampling_words(recording, order, arguments.format))
+    for words in (*refused, *sampling_sentences(bodies, order, arguments.format)):
+        note(words)
     note(unscaled_words(session))
-    note(outdated_words(session, tracks))
     return 0
+
+
+def _recordings(session: Session, arguments: argparse.Namespace) -> list[Recording]:
+    """The motion of the bodies to export, in the world of all that are tracked, with a note of
+    those that have none; SessionError where none has one."""
+    path, abouts = arguments.session, about_each(session, arguments)
+    asked = [about.subject for about in abouts]
+    left = [body for body in asked if body.results is None]
+    if len(left) == len(asked):
+        load_tracks(abouts[0], path)  # which says so
+    if left:
+        verb = "is" if len(left) == 1 else "are"
+        note(f"{bodies_words(left)} {verb} not tracked and left out.")
+    tracked = [session.about(body.id) for body in session.bodies if body.results is not None]
+    tracks = {about.subject.id: load_tracks(about, path) for about in tracked}
+    folder = path.absolute().parent
+    bodies = saved_motions(session, tracks, *_clock(tracked[0], path), folder)
+    ids = ["", *(body.id for body in asked)]
+    for about in tracked:
+        if about.subject in asked:
+            words = outdated_words(about, tracks[about.subject.id])
+            note(of_body(words, about.subject.id, session))
+    return [body for body in bodies if body.body_id in ids]
 
 
 def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None]:

@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -15,7 +15,12 @@ from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError, listed
-from keypose.tracker.formats.recording import RecordedSegment, Recording
+from keypose.tracker.formats.recording import (
+    RecordedSegment,
+    Recording,
+    on_one_ground,
+    reach,
+)
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.operations.seen_by import errors_in_films
@@ -25,6 +30,10 @@ from keypose.tracker.storage.tracks import Tracks
 
 if TYPE_CHECKING:
     from keypose.tracker.video.info import Timecode
+
+
+MOTION: Final = "motion"
+"""What files' names begin with, but those of tables."""
 
 
 @dataclass(frozen=True)
@@ -69,9 +78,12 @@ def _between(recording: Recording, frames: Span) -> Recording:
 
 
 def sampling_words(
-    recording: Recording, order: MotionOrder, formats: Sequence[MotionFormat]
+    recording: Recording, order: MotionOrder, formats: Sequence[MotionFormat], stem: str = MOTION
 ) -> str | None:
-    """What a person should know of files in these formats; None if as tracked."""
+    """What a person should know of files in these formats; None if as tracked.
+
+    stem: what the files' names begin with.
+    """
     sentences = []
     if order.filter_hz is not None:
         metres, radians = moved_at_keyframes(low_passed(recording, order.filter_hz), recording)
@@ -99,25 +111,83 @@ def sampling_words(
         sentences.append(
             f"{listed(untimed)} {verb} at frame {first} of the film, which the file cannot say."
         )
-    sentences += [f"{FORMATS[name].then}." for name in formats if FORMATS[name].then]
+    thens = [FORMATS[name].then for name in formats if FORMATS[name].then]
+    sentences += [f"{then.replace(MOTION, stem)}." for then in thens]
     return " ".join(sentences) or None
 
 
+def sampling_sentences(
+    bodies: Sequence[Recording], order: MotionOrder, formats: Sequence[MotionFormat]
+) -> list[str]:
+    """The same of several bodies: what is the same for all once, else with the body's id."""
+    stem = bodies[0].body_id if len(bodies) == 1 else ""
+    each = {body.body_id: sampling_words(body, order, formats, stem or MOTION) for body in bodies}
+    if len(set(each.values())) == 1:
+        return [words for words in [*each.values()][:1] if words]
+    return [f"{body_id}: {words}" for body_id, words in each.items() if words]
+
+
 def motion_files(
-    format_name: MotionFormat, recording: Recording, order: MotionOrder = AS_TRACKED
+    format_name: MotionFormat,
+    recording: Recording,
+    order: MotionOrder = AS_TRACKED,
+    beside: Sequence[Recording] = (),
 ) -> dict[str, bytes]:
-    """The contents to write by file name. FormatError when the format cannot hold the motion."""
+    """The contents to write by file name. FormatError when the format cannot hold the motion.
+
+    beside: other bodies that its files hold, too.
+    """
     kind = FORMATS[format_name]
-    made = sampled(recording, order, kind.own_times)
-    contents = kind.contents(made, order)
+    made, *others = (sampled(each, order, kind.own_times) for each in (recording, *beside))
+    contents = kind.contents(made, order, others)
     names = kind.names if len(contents) == len(kind.names) else (*kind.names, *kind.also)
-    return {name: _bytes(content) for name, content in zip(names, contents, strict=True)}
+    body_id = "" if beside or kind.of_camera else recording.body_id
+    return {
+        file_of_body(name, body_id): _bytes(content)
+        for name, content in zip(names, contents, strict=True)
+    }
 
 
-def outdated_files(format_name: MotionFormat, written: Collection[str]) -> list[str]:
+def file_of_body(name: str, body_id: str) -> str:
+    """A file's name of one of several bodies: of motion.bvh "second.bvh", of joints.csv
+    "second_joints.csv"; as it is where the body is the only one."""
+    if not body_id:
+        return name
+    rest = name.removeprefix(MOTION)
+    return f"{body_id}{rest}" if rest != name else f"{body_id}_{name}"
+
+
+def files_of_bodies(
+    format_name: MotionFormat, bodies: Sequence[Recording], order: MotionOrder
+) -> tuple[dict[str, bytes], list[str]]:
+    """The contents to write by file name, of several bodies in one file or of each; and what could
+    not be written of some, in sentences. FormatError where nothing could.
+
+    bodies: in one world, over the same frames.
+    """
+    kind = FORMATS[format_name]
+    if kind.together is not None and (kind.scene or order.together):
+        return motion_files(format_name, bodies[0], order, bodies[1:]), []
+    files, refused = dict[str, bytes](), list[str]()
+    for body in bodies[:1] if kind.of_camera else bodies:
+        try:
+            files |= motion_files(format_name, body, order)
+        except FormatError as error:
+            refused.append(f"{format_name.upper()} of {body.body_id}: {error}")
+            if len(bodies) == 1:
+                raise
+    if not files:
+        raise FormatError(refused[0])
+    return files, refused
+
+
+def outdated_files(
+    format_name: MotionFormat, written: Collection[str], body_ids: Sequence[str] = ("",)
+) -> list[str]:
     """Names of files of a format that this motion has nothing for: where they are, they are of one
     of before."""
-    return [name for name in FORMATS[format_name].also if name not in written]
+    of_bodies = [file_of_body(n, b) for n in FORMATS[format_name].also for b in body_ids]
+    return [name for name in of_bodies if name not in written]
 
 
 def _bytes(content: str | bytes) -> bytes:
@@ -173,12 +243,13 @@ def saved_motion(
     times_s: Array,
     timecode: Timecode | None = None,
     folder: Path | None = None,
+    over: Sequence[int] = (),
 ) -> Recording:
     """The motion that a session's results refer to.
 
     times_s are those of all the video's frames, timecode that of the video, where it is known.
     folder: of the session's file, beside which keypoints are that tell the errors in each of
-    several films; None where they are not wanted.
+    several films; None where they are not wanted.  over: frames that it is to have, too.
     """
     segments = session.subject.results.segments if session.subject.results else ()
     stretches = [
@@ -187,7 +258,32 @@ def saved_motion(
         for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
     ]
     films = () if folder is None else errors_in_films(session, tracks, folder)
-    return Recording.of(session, tracks, stretches, times_s, timecode, films)
+    return Recording.of(session, tracks, stretches, times_s, timecode, films, over)
+
+
+def saved_motions(
+    session: Session,
+    tracks: Mapping[str, Tracks],
+    times_s: Array,
+    timecode: Timecode | None = None,
+    folder: Path | None = None,
+) -> list[Recording]:
+    """The motions of a session's bodies in one world, over the same frames.
+
+    tracks: of those that are tracked, by their ids.  times_s, timecode, folder: as of
+    `saved_motion`.
+    """
+    if len(session.bodies) == 1:
+        ((body_id, own),) = tracks.items()
+        return [saved_motion(session.about(body_id), own, times_s, timecode, folder)]
+    abouts = {body_id: session.about(body_id) for body_id in tracks}
+    over = [frame for body_id, own in tracks.items() for frame in reach(abouts[body_id], own)]
+    made = [
+        saved_motion(abouts[body_id], own, times_s, timecode, folder, over)
+        for body_id, own in tracks.items()
+    ]
+    named = [replace(each, body_id=name) for each, name in zip(made, tracks, strict=True)]
+    return on_one_ground(named)
 
 
 def shown_motion(edit: EditorState, folder: Path | None = None) -> Recording:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 MotionFormat: TypeAlias = str
 """A name of `FORMATS`."""
 Write: TypeAlias = "Callable[[Recording, MotionOrder], Sequence[str | bytes]]"
+WriteTogether: TypeAlias = (
+    "Callable[[Recording, MotionOrder, Sequence[Recording]], Sequence[str | bytes]]"
+)
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,9 @@ class Format:
     unit of length; marked: whether it has markers.
     timed: whether its file says when in the film it begins.  numbered: whether it has numbers of
     frames alone, and no rate.
+    together: what writes several bodies into its files, where these can hold them: a recording, and
+    those beside it; or the dotted name of what does where no option matters.  scene: whether it
+    does so unasked, as its files are scenes.  of_camera: whether no body is in its files.
     """
 
     words: str
@@ -63,13 +69,35 @@ class Format:
     timed: bool = True
     also: tuple[str, ...] = ()
     numbered: bool = False
+    together: WriteTogether | str | None = None
+    scene: bool = False
+    of_camera: bool = False
 
-    def contents(self, recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
-        """What its files hold; FormatError when it cannot hold the motion."""
-        if not isinstance(self.write, str):
-            return self.write(recording, order)
-        module, name = self.write.rsplit(".", 1)
-        return (getattr(import_module(f"keypose.tracker.formats.{module}"), name)(recording),)
+    def contents(
+        self, recording: Recording, order: MotionOrder, beside: Sequence[Recording] = ()
+    ) -> Sequence[str | bytes]:
+        """What its files hold; FormatError when it cannot hold the motion.
+
+        beside: other bodies, of a format that holds them together.
+        """
+        if not beside:
+            return (
+                (_named(self.write)(recording),)
+                if isinstance(self.write, str)
+                else self.write(recording, order)
+            )
+        assert self.together is not None
+        if isinstance(self.together, str):
+            return (_named(self.together)(recording, beside),)
+        return self.together(recording, order, beside)
+
+
+def _named(dotted: str) -> Callable[..., str | bytes]:
+    module, name = dotted.rsplit(".", 1)
+    write: Callable[..., str | bytes] = getattr(
+        import_module(f"keypose.tracker.formats.{module}"), name
+    )
+    return write
 
 
 def _bvh(recording: Recording, order: MotionOrder) -> Sequence[str]:
@@ -83,26 +111,36 @@ def _bvh(recording: Recording, order: MotionOrder) -> Sequence[str]:
     return (bvh(rig, Ts_world_part, 1 / whole.frames_per_second, order.unit),)
 
 
-def _glb(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
+def _glb(
+    recording: Recording, order: MotionOrder, beside: Sequence[Recording] = ()
+) -> Sequence[bytes]:
     from keypose.tracker.formats.glb import glb
 
-    return (glb(recording, *_colours(recording), order.rig),)
+    return (glb(recording, *_colours(recording), order.rig, _with_sides(beside)),)
 
 
-def _fbx(recording: Recording, order: MotionOrder) -> Sequence[str | bytes]:
+def _fbx(
+    recording: Recording, order: MotionOrder, beside: Sequence[Recording] = ()
+) -> Sequence[str | bytes]:
     from keypose.tracker.formats.fbx_script import fbx_script
 
-    return (*_glb(recording, order), fbx_script(recording))
+    return (*_glb(recording, order, beside), fbx_script(recording, beside))
 
 
-def _usd(recording: Recording, order: MotionOrder) -> Sequence[bytes]:
+def _usd(
+    recording: Recording, order: MotionOrder, beside: Sequence[Recording] = ()
+) -> Sequence[bytes]:
     try:
         from keypose.tracker.formats.usd import usd
     except ModuleNotFoundError as error:
         if error.name != "pxr":
             raise
         raise FormatError("USD files need usd-core: pip install 'keypose[usd]'.") from None
-    return (usd(recording, *_colours(recording), order.rig),)
+    return (usd(recording, *_colours(recording), order.rig, _with_sides(beside)),)
+
+
+def _with_sides(bodies: Sequence[Recording]) -> list[tuple[Recording, list[str]]]:
+    return [(body, _colours(body)[0]) for body in bodies]
 
 
 def _colours(recording: Recording) -> tuple[list[str], dict[str, tuple[int, int, int]]]:
@@ -128,6 +166,16 @@ def _csv(recording: Recording, _order: MotionOrder) -> Sequence[str]:
         recording.skeleton, recording.trajectory, recording.times_s, world, recording.ps_seen_joint
     )
     return joints, angles, frames_csv(recording)
+
+
+def _csv_together(
+    recording: Recording, order: MotionOrder, beside: Sequence[Recording]
+) -> Sequence[str]:
+    from keypose.tracker.formats.csv import tables_together
+
+    bodies = (recording, *beside)
+    tables = [_csv(body, order) for body in bodies]
+    return [tables_together(bodies, kind) for kind in zip(*tables, strict=True)]
 
 
 def _mot(recording: Recording, _order: MotionOrder) -> Sequence[str]:
@@ -162,6 +210,8 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "vrm",
         gaps=False,
         rigged=True,
+        together=_glb,
+        scene=True,
     ),
     "fbx": Format(
         "the GLB, and a script with which Blender makes FBX of it",
@@ -174,6 +224,8 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         then="For motion.fbx run: blender --background --python motion_to_fbx.py",
         gaps=False,
         rigged=True,
+        together=_fbx,
+        scene=True,
     ),
     "usd": Format(
         "the same rig, motion and camera for film and game studios, metres; needs usd-core",
@@ -187,6 +239,8 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         library=("usd-core", "pxr"),
         gaps=False,
         rigged=True,
+        together=_usd,
+        scene=True,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres, metres with --markers halpe26",
@@ -197,6 +251,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "trail",
         "opensim markers biomechanics",
         marked=True,
+        together="marker_files.trc",
     ),
     "mot": Format(
         "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal",
@@ -218,6 +273,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         search="vicon qualisys biomechanics lab markers",
         library=("ezc3d", "ezc3d"),
         marked=True,
+        together="marker_files.c3d",
     ),
     "csv": Format(
         "joints in metres in the camera frame (x right, y down, z forward) and in the world, "
@@ -229,6 +285,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         search="table excel spreadsheet angles positions data",
         title="Export CSV tables",
         own_times=True,
+        together=_csv_together,
     ),
     "npz": Format(
         "all of this and the camera for NumPy, metres and radians",
@@ -238,6 +295,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         icon="quad",
         search="numpy python arrays data",
         own_times=True,
+        together="npz.npz",
     ),
     "amass": Format(
         "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
@@ -262,6 +320,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         title="Export the camera as JSON",
         label="Camera",
         own_times=True,
+        of_camera=True,
     ),
     "chan": Format(
         "the film's camera for Nuke, metres and degrees, rotation order ZXY",
@@ -274,6 +333,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         title="Export the camera for Nuke",
         own_times=True,
         numbered=True,
+        of_camera=True,
     ),
 }
 
@@ -287,7 +347,8 @@ def require_meant(order: MotionOrder, formats: Sequence[MotionFormat]) -> None:
             format_name for format_name, kind in FORMATS.items() if getattr(kind, option.only)
         ]
         if not set(heeding) & set(formats):
-            raise FormatError(f"{option.label} is for {listed(heeding)} alone.")
+            words = option.label or f"--{name}"
+            raise FormatError(f"{words} is for {listed(heeding)} alone.")
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:

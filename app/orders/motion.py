@@ -31,7 +31,9 @@ class MotionOrder:
     frames: of the film, all when None.
     fps: frames a second, those of the film when None; where these vary, formats that are read at a
     constant rate get their mean.  from_zero: whether times and frames begin at 0 instead of where
-    they are in the film.  filter_hz: at which the low-pass filter is 3 dB down, none when None.
+    they are in the film.  together: whether several bodies share one file in every format that can
+    hold them, not only in scenes.  filter_hz: at which the low-pass filter is 3 dB down, none when
+    None.
     """
 
     rig: str = option(
@@ -84,6 +86,15 @@ class MotionOrder:
         False,
         label="Times",
         note="From 0 for game engines and web players",
+    )
+    together: bool = option(
+        Switch(),
+        "of several bodies, also write csv, npz, trc and c3d as one file, with names such as "
+        "NAME:left_hand; default: a file each. glb, fbx and usd always hold all bodies in one "
+        "scene",
+        False,
+        only="together",
+        page=False,
     )
     filter_hz: float | None = option(
         Number("HZ", 0.01, 1000, "a cut-off such as 6Hz", "Hz"),

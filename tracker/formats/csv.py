@@ -42,6 +42,8 @@ frames: what is known of every frame, and how far to trust it.
 What is not known is left empty: poses of frames that are not tracked, evidence where none was taken
 (such as in a preview, or of a part that is not tracked), the step after the last frame.
 
+Of several bodies in one table the columns but the first two are `NAME:column`.
+
 The first line holds the names of the columns; there are no comments. Rows end in CR LF, as
 RFC 4180 says.
 """
@@ -51,6 +53,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,7 +65,7 @@ from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import column_names, fixed_decimals
-from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.recording import Recording, named_apart
 from keypose.tracker.formats.rotation_curves import known_smooth_euler
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.geometry.rotations import Array
@@ -158,6 +161,18 @@ def frames_csv(recording: Recording) -> str:
             _noted(recording, i),
         )
         writer.writerow([frame, *time_s, *found_here, *values])
+    return text.getvalue()
+
+
+def tables_together(bodies: Sequence[Recording], tables: Sequence[str]) -> str:
+    """The tables of several bodies, of the same frames, as one: columns are named apart."""
+    each = [list(csv.reader(io.StringIO(table, newline=""))) for table in tables]
+    heads = [named_apart(b, rows[0][2:]) for b, rows in zip(bodies, each, strict=True)]
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(["frame", "time_s", *chain.from_iterable(heads)])
+    for rows in zip(*(rows[1:] for rows in each), strict=True):
+        writer.writerow([*rows[0][:2], *chain.from_iterable(row[2:] for row in rows)])
     return text.getvalue()
 
 

@@ -9,12 +9,13 @@ sensor of 3:2, where FBX fits the width. The script puts both right before it ex
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from keypose.tracker.formats.recording import Recording
 
 _SCRIPT: Final = '''\
-"""Make motion.fbx of the motion.glb beside this file, run by Blender."""
+"""Make {stem}.fbx of the {stem}.glb beside this file, run by Blender."""
 
 from pathlib import Path
 
@@ -52,7 +53,7 @@ folder = Path(__file__).resolve().parent
 bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 scene.render.fps, scene.render.fps_base = FPS, 1.0
-bpy.ops.import_scene.gltf(filepath=str(folder / "motion.glb"), disable_bone_shape=True)
+bpy.ops.import_scene.gltf(filepath=str(folder / "{stem}.glb"), disable_bone_shape=True)
 (camera,) = bpy.data.cameras
 longer = SENSOR_MM / ASPECT / camera.sensor_height
 camera.sensor_fit = "HORIZONTAL"
@@ -65,19 +66,24 @@ scene.render.fps_base = FPS_BASE
 scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
 scene.frame_start, scene.frame_end = FIRST, LAST
 bpy.ops.export_scene.fbx(
-    filepath=str(folder / "motion.fbx"), add_leaf_bones=False, bake_anim_simplify_factor=0,
+    filepath=str(folder / "{stem}.fbx"), add_leaf_bones=False, bake_anim_simplify_factor=0,
     bake_anim_use_all_actions=False, bake_anim_use_nla_strips=False,
 )
 '''
 
 
-def fbx_script(recording: Recording) -> str:
-    """The text of the script. FormatError without two times."""
-    recording = recording.whole("FBX")
+def fbx_script(recording: Recording, beside: Sequence[Recording] = ()) -> str:
+    """The text of the script. FormatError without two times.
+
+    beside: the other bodies of the scene, of the same frames.
+    """
+    stem = "motion" if beside else recording.body_id or "motion"
+    recording = recording if beside else recording.whole("FBX")
     rate, camera = recording.frames_per_second, recording.camera
     fps = max(1, round(rate))  # of Blender a whole number
     first, last = (round(float(recording.times_s[row]) * rate) for row in (0, -1))
     return _SCRIPT.format(
+        stem=stem,
         fps=fps,
         base=round(fps / rate, 9),
         first=first,

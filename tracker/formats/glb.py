@@ -1,5 +1,8 @@
 """Write the motion as GLB, binary glTF 2.0: one rig with its skin, one animation, one camera.
 
+Of several bodies each has a rig and a skin of its own, its nodes named apart as `NAME:bone` and its
+armature as the body, and the one animation moves all.
+
 The world is that of all files (`keypose.tracker.body.ground`): metres, y up, the floor at zero. The
 bones (`keypose.tracker.formats.rigs`) are nodes below the node
 "Armature", in their rest pose; the body's solids are one mesh, each vertex on one bone. One
@@ -20,8 +23,9 @@ required.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +39,7 @@ from keypose.tracker.formats.conventions import (
     parts_in_world,
 )
 from keypose.tracker.formats.glb_file import Numbers
-from keypose.tracker.formats.recording import Recording
+from keypose.tracker.formats.recording import Recording, named_apart
 from keypose.tracker.formats.rigs import OWN
 from keypose.tracker.formats.rigs.rig import Rig, rig_of
 from keypose.tracker.formats.rigs.skin import Skin
@@ -62,6 +66,7 @@ def primitives(
             "material": k,
         }
         for k, name in enumerate(materials)
+        if name in sides
     ]
 
 
@@ -99,43 +104,69 @@ TURN = np.append(FLIP, 1.0)
 Node = dict[str, Any]
 
 
+@dataclass(frozen=True, eq=False)
+class _Figure:
+    """A body of the scene.  recording: without gaps.  sides: of its parts.  first: the number of
+    its first node.  names: of its armature, its mesh and its bones."""
+
+    recording: Recording
+    rig: Rig
+    sides: Sequence[str]
+    first: int
+    names: tuple[str, ...]
+
+    def nodes(self, number: int) -> list[Node]:
+        """Its bones, its armature and its mesh, the skin of this number."""
+        armature, mesh, *bones = self.names
+        return [
+            *_bone_nodes(self.rig, bones, self.first),
+            {"name": armature, "children": [self.first]},
+            {"name": mesh, "mesh": number, "skin": number},
+        ]
+
+    @property
+    def roots(self) -> tuple[int, int]:
+        """The nodes of armature and mesh."""
+        armature = self.first + len(self.rig)
+        return armature, armature + 1
+
+
 def glb(
     recording: Recording,
     sides: Sequence[str],
     colours: Mapping[str, tuple[int, int, int]],
     rig_name: str = OWN,
+    beside: Sequence[tuple[Recording, Sequence[str]]] = (),
 ) -> bytes:
     """The bytes of the file. FormatError where frames are not tracked or times do not ascend, or
     the body is not one for the rig.
 
-    sides: which of the colours (sRGB, 0 to 255) each part has.
+    sides: which of the colours (sRGB, 0 to 255) each part has.  beside: the other bodies of the
+    scene, of the same frames and world, each with its sides.
     """
-    recording, numbers = recording.whole("GLB"), Numbers()
-    rig = rig_of(recording.skeleton, rig_name)
-    T_world_camera, T_first = recording.T_world_camera, recording.Ts_world_camera[0]
-    used = {name: colour for name, colour in colours.items() if name in sides}
-    bones = _bone_nodes(rig)
-    armature, body, camera = len(bones), len(bones) + 1, len(bones) + 2
-    nodes = [
-        *bones,
-        {"name": "Armature", "children": [0]},
-        {"name": "body", "mesh": 0, "skin": 0},
-        {"name": "camera", "camera": 0, **_placed(T_first[:3, 3], T_first * TURN)},
-    ]
-    mesh = primitives(recording.skeleton.body, rig, sides, list(used), numbers)
+    figures, numbers = _figures([(recording, sides), *beside], rig_name), Numbers()
+    scene = recording if beside else figures[0].recording
+    T_first = scene.Ts_world_camera[0]
+    all_sides = {side for figure in figures for side in figure.sides}
+    used = {name: colour for name, colour in colours.items() if name in all_sides}
+    nodes = [node for number, figure in enumerate(figures) for node in figure.nodes(number)]
+    camera, roots = len(nodes), [root for figure in figures for root in figure.roots]
+    nodes.append({"name": "camera", "camera": 0, **_placed(T_first[:3, 3], T_first * TURN)})
+    meshes = [_mesh(figure, list(used), numbers) for figure in figures]
+    title = "bodies" if beside else recording.skeleton.body.name
     document = {
         "asset": {"version": "2.0", "generator": "Keypose"},
         "scene": 0,
-        "scenes": [{"name": recording.skeleton.body.name, "nodes": [armature, body, camera]}],
+        "scenes": [{"name": title, "nodes": [*roots, camera]}],
         "nodes": nodes,
-        "cameras": [_camera(recording.camera_at(0))],
-        "meshes": [{"name": recording.skeleton.body.name, "primitives": mesh}],
+        "cameras": [_camera(scene.camera_at(0))],
+        "meshes": meshes,
         "materials": [_material(name, colour) for name, colour in used.items()],
-        "skins": [_skin(rig, numbers)],
-        "animations": [_animation(recording, rig, T_world_camera, numbers)],
+        "skins": [_skin(figure, numbers) for figure in figures],
+        "animations": [_animation(scene, figures, camera, numbers)],
     }
-    extensions = _vrm_animation(rig)
-    used_extensions = [*extensions, *([POINTER] if _zooms(recording) else [])]
+    extensions = _vrm_animation(figures)
+    used_extensions = [*extensions, *([POINTER] if _zooms(scene) else [])]
     if extensions:
         document["extensions"] = extensions
     if used_extensions:
@@ -143,15 +174,37 @@ def glb(
     return numbers.file(document)
 
 
-def _bone_nodes(rig: Rig) -> list[Node]:
-    """A node for every bone, in the rest pose; the root first."""
+def _figures(bodies: Sequence[tuple[Recording, Sequence[str]]], rig_name: str) -> list[_Figure]:
+    figures, first = list[_Figure](), 0
+    for recording, sides in bodies:
+        rig = rig_of(recording.skeleton, rig_name)
+        names: tuple[str, ...] = ("Armature", "body", *rig.names)
+        if len(bodies) > 1:
+            names = (recording.body_id, *named_apart(recording, names[1:]))
+        figures.append(_Figure(recording.whole("GLB"), rig, sides, first, names))
+        first += len(names)
+    return figures
+
+
+def _mesh(figure: _Figure, materials: Sequence[str], numbers: Numbers) -> dict[str, Any]:
+    """The body's solids, of those materials that it has."""
+    body = figure.recording.skeleton.body
+    name = figure.recording.body_id if figure.names[0] != "Armature" else body.name
+    return {
+        "name": name,
+        "primitives": primitives(body, figure.rig, figure.sides, materials, numbers),
+    }
+
+
+def _bone_nodes(rig: Rig, names: Sequence[str], first: int) -> list[Node]:
+    """A node for every bone, in the rest pose; the root first, which has this number."""
     nodes = [
         {"name": name, **_placed(T[:3, 3], T)}
-        for name, T in zip(rig.names, rig.Ts_parent_bone, strict=True)
+        for name, T in zip(names, rig.Ts_parent_bone, strict=True)
     ]
     for i, parent in enumerate(rig.parents.tolist()):
         if parent >= 0:
-            nodes[parent].setdefault("children", []).append(i)
+            nodes[parent].setdefault("children", []).append(first + i)
     return nodes
 
 
@@ -161,9 +214,10 @@ def _placed(p: Array, T: Array) -> Node:
     return {"translation": (p + 0.0).tolist(), "rotation": (np.roll(q, -1) + 0.0).tolist()}
 
 
-def _skin(rig: Rig, numbers: Numbers) -> dict[str, Any]:
-    matrices = numbers.add(bind_matrices(rig), "MAT4", "skin")
-    return {"joints": list(range(len(rig))), "skeleton": 0, "inverseBindMatrices": matrices}
+def _skin(figure: _Figure, numbers: Numbers) -> dict[str, Any]:
+    matrices = numbers.add(bind_matrices(figure.rig), "MAT4", "skin")
+    joints = [figure.first + bone for bone in range(len(figure.rig))]
+    return {"joints": joints, "skeleton": figure.first, "inverseBindMatrices": matrices}
 
 
 def _material(name: str, colour: tuple[int, int, int]) -> dict[str, Any]:
@@ -175,40 +229,75 @@ def _material(name: str, colour: tuple[int, int, int]) -> dict[str, Any]:
     return {"name": name, "pbrMetallicRoughness": looks}
 
 
+Curve: TypeAlias = tuple[dict[str, Any], int, int]
+"""What is animated, and the accessors of its times and values."""
+
+
 def _animation(
-    recording: Recording, rig: Rig, T_world_camera: Array, numbers: Numbers
+    scene: Recording, figures: Sequence[_Figure], camera: int, numbers: Numbers
 ) -> dict[str, Any]:
-    times_s = recording.times_s.astype(np.float32)
-    if not (np.diff(times_s) > 0).all():
-        raise FormatError("GLB needs frames whose times ascend, to a ten-millionth of the last.")
-    Rs_parent_bone, ps_parent_mover = rig.motion(parts_in_world(recording, T_world_camera))
-    rotations = smooth_quaternions_xyzw(Rs_parent_bone)
-    clock = numbers.add(times_s, "SCALAR", "animation", bounded=True)
-    places = numbers.add(ps_parent_mover.astype(np.float32), "VEC3", "animation")
-    outputs = [(_of_node(rig.mover, "translation"), places)]
-    for i in range(len(rig)):
-        turns = np.ascontiguousarray(rotations[:, i])
-        outputs.append((_of_node(i, "rotation"), numbers.add(turns, "VEC4", "animation")))
-    if recording.seen_from is not None:
-        Ts, node = recording.Ts_world_camera, len(rig) + 2
-        turns = np.ascontiguousarray(smooth_quaternions_xyzw((Ts * TURN)[:, None, :3, :3])[:, 0])
-        positions = np.ascontiguousarray(Ts[:, :3, 3]).astype(np.float32)
-        outputs.append((_of_node(node, "translation"), numbers.add(positions, "VEC3", "animation")))
-        outputs.append((_of_node(node, "rotation"), numbers.add(turns, "VEC4", "animation")))
-    if _zooms(recording):
-        angles = [_yfov(recording.camera_at(row)) for row in range(len(recording))]
-        angle_accessor = numbers.add(np.array(angles, dtype=np.float32), "SCALAR", "animation")
-        outputs.append(
-            ({"path": "pointer", "extensions": {POINTER: {"pointer": YFOV}}}, angle_accessor)
-        )
+    """The motion of all bodies and of the camera, a node of this number."""
+    clocks = _Clocks(numbers)
+    curves = [
+        curve
+        for figure in figures
+        for curve in _body_curves(figure, clocks.of(figure.recording), numbers)
+    ]
+    if scene.seen_from is not None:
+        curves += _camera_curves(scene, camera, clocks.of(scene), numbers)
     return {
         "name": "motion",
-        "channels": [{"sampler": k, "target": target} for k, (target, _) in enumerate(outputs)],
+        "channels": [{"sampler": k, "target": target} for k, (target, _, _) in enumerate(curves)],
         "samplers": [
-            {"input": clock, "output": output, "interpolation": "LINEAR"} for _, output in outputs
+            {"input": clock, "output": output, "interpolation": "LINEAR"}
+            for _, clock, output in curves
         ],
-        "extras": _facts(recording) | {"rig": rig.name},
+        "extras": _facts(scene) | {"rig": figures[0].rig.name},
     }
+
+
+class _Clocks:
+    """The accessors of times, one for those that are the same."""
+
+    def __init__(self, numbers: Numbers) -> None:
+        self._numbers = numbers
+        self._accessors: dict[bytes, int] = {}
+
+    def of(self, recording: Recording) -> int:
+        times_s = recording.times_s.astype(np.float32)
+        if not (np.diff(times_s) > 0).all():
+            raise FormatError(
+                "GLB needs frames whose times ascend, to a ten-millionth of the last."
+            )
+        key = times_s.tobytes()
+        if key not in self._accessors:
+            self._accessors[key] = self._numbers.add(times_s, "SCALAR", "animation", bounded=True)
+        return self._accessors[key]
+
+
+def _body_curves(figure: _Figure, clock: int, numbers: Numbers) -> Iterator[Curve]:
+    recording, rig = figure.recording, figure.rig
+    Rs_parent_bone, ps_parent_mover = rig.motion(
+        parts_in_world(recording, recording.T_world_camera)
+    )
+    rotations = smooth_quaternions_xyzw(Rs_parent_bone)
+    places = numbers.add(ps_parent_mover.astype(np.float32), "VEC3", "animation")
+    yield _of_node(figure.first + rig.mover, "translation"), clock, places
+    for i in range(len(rig)):
+        turns = numbers.add(np.ascontiguousarray(rotations[:, i]), "VEC4", "animation")
+        yield _of_node(figure.first + i, "rotation"), clock, turns
+
+
+def _camera_curves(scene: Recording, node: int, clock: int, numbers: Numbers) -> Iterator[Curve]:
+    Ts = scene.Ts_world_camera
+    turns = np.ascontiguousarray(smooth_quaternions_xyzw((Ts * TURN)[:, None, :3, :3])[:, 0])
+    positions = np.ascontiguousarray(Ts[:, :3, 3]).astype(np.float32)
+    yield _of_node(node, "translation"), clock, numbers.add(positions, "VEC3", "animation")
+    yield _of_node(node, "rotation"), clock, numbers.add(turns, "VEC4", "animation")
+    if _zooms(scene):
+        angles = [_yfov(scene.camera_at(row)) for row in range(len(scene))]
+        values = numbers.add(np.array(angles, dtype=np.float32), "SCALAR", "animation")
+        yield {"path": "pointer", "extensions": {POINTER: {"pointer": YFOV}}}, clock, values
 
 
 def _of_node(node: int, path: str) -> dict[str, Any]:
@@ -273,10 +362,13 @@ def _yfov(camera: Camera) -> float:
     return 2 * math.atan(camera.height / 2 / camera.fy)
 
 
-def _vrm_animation(rig: Rig) -> dict[str, Any]:
+def _vrm_animation(figures: Sequence[_Figure]) -> dict[str, Any]:
     """The extension of VRM's rig: which node is which humanoid bone; none of other rigs."""
+    rig = figures[0].rig
     if rig.name != "vrm":
         return {}
+    if len(figures) > 1:
+        raise FormatError("A VRM animation is of one body: choose it with --body.")
     named = {row.name for row in table_of(rig.name).rows()}
     bones = {name: {"node": i} for i, name in enumerate(rig.names) if name in named}
     return {"VRMC_vrm_animation": {"specVersion": "1.0", "humanoid": {"humanBones": bones}}}

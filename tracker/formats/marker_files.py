@@ -3,6 +3,9 @@
 Both have the recording's markers (`keypose.tracker.formats.marker_sets`), in the world of all files
 (`keypose.tracker.body.ground`).
 
+Of several bodies the names are `NAME:marker`, the frames those of all, and in C3D each is one of
+SUBJECTS, as Vicon has them.
+
 C3D: millimetres, as POINT:UNITS says, in single precision, good to a thousandth of a millimetre.
 Where a frame is not tracked its points have the residual −1, "invalid" in C3D. Of a motion that
 several films show, the residual of a joint is by how many millimetres it lies beside the rays on
@@ -22,7 +25,8 @@ where times are uneven.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -32,7 +36,7 @@ from numpy.typing import NDArray
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.conventions import fixed_decimals, single_words
 from keypose.tracker.formats.marker_sets import detected, marked, markers_of
-from keypose.tracker.formats.recording import MarkerSetName, Recording
+from keypose.tracker.formats.recording import MarkerSetName, Recording, named_apart
 from keypose.tracker.geometry.rotations import Array
 
 MM_PER_M = 1000.0
@@ -50,12 +54,15 @@ LONGEST_LABEL = 127
 """Bytes of a point's name: some readers take a longer length for a negative one."""
 
 
-def c3d(recording: Recording) -> bytes:
+def c3d(recording: Recording, beside: Sequence[Recording] = ()) -> bytes:
     """The bytes of the file.
 
     FormatError where ezc3d is not installed, where the format has no room, or without two times.
+
+    beside: the other bodies of the scene, of the same frames and world.
     """
-    labels, places = marked(recording)
+    bodies = (recording, *beside)
+    labels, places = _marked_together(bodies)
     _require_c3d_capacity(recording, labels)
     file = _library().c3d()
     file["header"]["points"]["first_frame"] = recording.frames[0]
@@ -71,12 +78,13 @@ def c3d(recording: Recording) -> bytes:
     if recording.unscaled:
         spans = [f"{first}-{last}" for first, last in recording.unscaled]
         file.add_parameter("KEYPOSE", "CAMERA_WITHOUT_SCALE", spans)
-    _add_events(file, recording)
+    _add_subjects(file, bodies)
+    _add_events(file, bodies)
     ps = np.moveaxis(places * MM_PER_M, -1, 0).swapaxes(1, 2)
     missing = np.isnan(ps).any(axis=0)
     file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])
     marks = file["data"]["meta_points"]
-    residuals_mm, masks = _seen_by_films(recording, missing.shape)
+    residuals_mm, masks = _seen_together(bodies, len(recording))
     marks["residuals"] = np.where(missing, -1.0, residuals_mm)[None]
     marks["camera_masks"] = masks & ~missing
     if recording.films:
@@ -85,6 +93,42 @@ def c3d(recording: Recording) -> bytes:
         path = Path(folder) / "motion.c3d"
         file.write(str(path))
         return path.read_bytes()
+
+
+def _marked_together(bodies: Sequence[Recording]) -> tuple[tuple[str, ...], Array]:
+    """The markers of all bodies and where they are in the world (N, M, 3), metres, named apart
+    where there are several."""
+    if len(bodies) == 1:
+        return marked(bodies[0])
+    each = [marked(body) for body in bodies]
+    labels = [named_apart(body, names) for body, (names, _) in zip(bodies, each, strict=True)]
+    return tuple(chain.from_iterable(labels)), np.concatenate(
+        [places for _, places in each], axis=1
+    )
+
+
+def _seen_together(bodies: Sequence[Recording], frames: int) -> tuple[Array, NDArray[np.bool_]]:
+    """As `_seen_by_films`, of the markers of all bodies."""
+    counts = [len(marked(body)[0]) for body in bodies]
+    each = [
+        _seen_by_films(body, (count, frames)) for body, count in zip(bodies, counts, strict=True)
+    ]
+    residuals_mm, masks = zip(*each, strict=True)
+    return np.concatenate(residuals_mm), np.concatenate(masks, axis=1)
+
+
+def _add_subjects(file: Any, bodies: Sequence[Recording]) -> None:
+    """SUBJECTS, where there are several."""
+    if len(bodies) == 1:
+        return
+    names = [body.body_id for body in bodies]
+    for name, values in (
+        ("USED", [len(names)]),
+        ("USES_PREFIXES", [1]),
+        ("NAMES", names),
+        ("LABEL_PREFIXES", [f"{each}:" for each in names]),
+    ):
+        file.add_parameter("SUBJECTS", name, values)
 
 
 def _seen_by_films(recording: Recording, shape: tuple[int, ...]) -> tuple[Array, NDArray[np.bool_]]:
@@ -105,11 +149,13 @@ def _seen_by_films(recording: Recording, shape: tuple[int, ...]) -> tuple[Array,
     return residuals_mm, masks
 
 
-def _add_events(file: Any, recording: Recording) -> None:
-    """EVENT, as programs for gait read it: what, of which side, and when, from frame 1 on."""
+def _add_events(file: Any, bodies: Sequence[Recording]) -> None:
+    """EVENT, as programs for gait read it: what, of which side and subject, and when, from frame 1
+    on."""
     events = [
-        (frame, label, icon, _side(stance.part))
-        for stance in recording.gait.stances
+        (frame, label, icon, _side(stance.part), body.body_id if len(bodies) > 1 else "")
+        for body in bodies
+        for stance in body.gait.stances
         for frame, label, icon in (
             (stance.heel_strike, "Foot Strike", 1),
             (stance.toe_off, "Foot Off", 2),
@@ -119,15 +165,15 @@ def _add_events(file: Any, recording: Recording) -> None:
     if not events:
         return
     events.sort()
-    frames, labels, icons, sides = (list(column) for column in zip(*events, strict=True))
-    seconds = np.array(frames) / recording.frames_per_second
+    frames, labels, icons, sides, subjects = (list(column) for column in zip(*events, strict=True))
+    seconds = np.array(frames) / bodies[0].frames_per_second
     for name, values in (
         ("USED", [len(events)]),
         ("CONTEXTS", sides),
         ("LABELS", labels),
         ("ICON_IDS", icons),
         ("DESCRIPTIONS", [""] * len(events)),
-        ("SUBJECTS", [""] * len(events)),
+        ("SUBJECTS", subjects),
         ("TIMES", np.stack([seconds // 60, seconds % 60])),
         ("GENERIC_FLAGS", [0] * len(events)),
     ):
@@ -178,9 +224,13 @@ _HEADER = (
 )
 
 
-def trc(recording: Recording, file_name: str = "motion.trc") -> str:
-    """The text of the file, which says its own name. FormatError without two times."""
-    labels, places = marked(recording)
+def trc(recording: Recording, beside: Sequence[Recording] = ()) -> str:
+    """The text of the file, which says its own name. FormatError without two times.
+
+    beside: the other bodies of the scene, of the same frames and world.
+    """
+    file_name = f"{'motion' if beside else recording.body_id or 'motion'}.trc"
+    labels, places = _marked_together((recording, *beside))
     names = single_words(labels)
     unit, per_metre, decimals = UNITS[recording.marker_set]
     rate, count = f"{recording.frames_per_second:.6f}".rstrip("0").rstrip("."), str(len(recording))

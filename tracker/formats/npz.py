@@ -5,7 +5,7 @@ Positions are metres in the camera frame, of a camera that moves in that of the 
 y down, z away from the camera. Where a frame is not tracked, its numbers are NaN. The fields
 `first_frame`, `part_names`, `Rs_parent_part` and `ps_camera_root` make the file of a motion without
 gaps a reference for `keypose evaluate`, too, unless it has a rate of its own. Segments are given by
-the video's frames.
+the video's frames. Of several bodies `bodies` has the names, and each field is `NAME/field`.
 
     first_frame            ()              number of the first frame in the video
     frame, time_s          (N,)            numbers of the frames; their times, seconds
@@ -55,6 +55,7 @@ the video's frames.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -72,19 +73,30 @@ from keypose.tracker.storage.archive import archive_bytes
 Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
-def npz(recording: Recording) -> bytes:
-    """The bytes of the file; the same motion has the same bytes."""
-    return archive_bytes(
-        {
-            **_poses(recording),
-            **_findings(recording),
-            **_films(recording),
-            **_camera(recording.camera),
-            "up_camera": recording.up_camera,
-            "T_world_camera": _world(recording),
-            **_camera_motion(recording),
-        }
-    )
+def npz(recording: Recording, beside: Sequence[Recording] = ()) -> bytes:
+    """The bytes of the file; the same motion has the same bytes.
+
+    beside: the other bodies of the scene, of the same frames and world.
+    """
+    if not beside:
+        return archive_bytes(_arrays(recording))
+    bodies = (recording, *beside)
+    arrays = {
+        f"{body.body_id}/{name}": array for body in bodies for name, array in _arrays(body).items()
+    }
+    return archive_bytes({"bodies": np.array([b.body_id for b in bodies], np.str_), **arrays})
+
+
+def _arrays(recording: Recording) -> Arrays:
+    return {
+        **_poses(recording),
+        **_findings(recording),
+        **_films(recording),
+        **_camera(recording.camera),
+        "up_camera": recording.up_camera,
+        "T_world_camera": _world(recording),
+        **_camera_motion(recording),
+    }
 
 
 def _camera_motion(recording: Recording) -> Arrays:

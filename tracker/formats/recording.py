@@ -88,6 +88,7 @@ class Recording:
     repeats:   repeated frames of the video, where its frames are those of the motion.
     films:     how far joints lie from where each of several films shows them; none of one film.
     kept_ground: the body's ground, where these frames are part of a motion that it is of.
+    body_id:   which of a session's bodies it is, where that has several; empty of the only one.
     """
 
     skeleton: Skeleton
@@ -112,6 +113,7 @@ class Recording:
     path: CameraPath | None = None
     unscaled: tuple[tuple[int, int], ...] = ()
     films: tuple[FilmErrors, ...] = ()
+    body_id: str = ""
 
     @classmethod
     def of(
@@ -122,15 +124,15 @@ class Recording:
         times_s: Array,
         timecode: Timecode | None = None,
         films: Sequence[FilmErrors] = (),
+        over: Sequence[int] = (),
     ) -> Recording:
         """The motion of a session from its first keyframe to its last, or as far as it reaches.
 
         times_s are those of all the video's frames, from frame 0. A segment whose frames have no
-        poses is left out.
+        poses is left out.  over: frames of the video that are among those of the recording.
         """
-        keyed = [keyframe.frame for keyframe in session.subject.keyframes]
-        first = min([tracks.first_frame, *keyed])
-        last = max([tracks.first_frame + len(tracks.tracked) - 1, *keyed])
+        first, last = reach(session, tracks)
+        first, last = min(first, *over, first), max(last, *over, last)
         if first < 0 or last >= len(times_s):
             raise FormatError("The tracked motion is longer than the video.")
         return cls(
@@ -421,6 +423,29 @@ class Recording:
         is_near = np.asarray(near.any(axis=1))
         is_near.setflags(write=False)
         return is_near
+
+
+def reach(session: Session, tracks: Tracks) -> tuple[int, int]:
+    """First and last frame of a session's keyframes and motion."""
+    keyed = [keyframe.frame for keyframe in session.subject.keyframes]
+    last = tracks.first_frame + len(tracks.tracked) - 1
+    return min([tracks.first_frame, *keyed]), max([last, *keyed])
+
+
+def on_one_ground(recordings: Sequence[Recording]) -> list[Recording]:
+    """Recordings of one scene in one world: the first body's ground, as low as the lowest stands
+    where the floor is not known."""
+    grounds = [recording.ground for recording in recordings]
+    x, _, z = grounds[0].p_ground_camera
+    y = max(float(ground.p_ground_camera[1]) for ground in grounds)
+    ground = replace(grounds[0], p_ground_camera=frozen([x, y, z]))
+    return [replace(recording, kept_ground=ground) for recording in recordings]
+
+
+def named_apart(recording: Recording, names: Sequence[str]) -> tuple[str, ...]:
+    """Names in a file of several bodies: the body's stands before a colon, as Vicon has subjects
+    and Maya has namespaces."""
+    return tuple(f"{recording.body_id}:{name}" for name in names)
 
 
 def _unscaled(session: Session) -> tuple[tuple[int, int], ...]:

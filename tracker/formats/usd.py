@@ -15,6 +15,8 @@ called as the body, holds
                material
     Looks      the materials
 
+of several bodies each is such a prim below the default prim, Bodies,
+
 and beside it stands Camera, the film's, with its principal point and without its distortion; its
 film back is 36 mm wide. A telephoto lens is an orthographic camera. Names that USD cannot have in a
 path are bent there, and whole in the skeleton's `jointNames`. The layer's custom data name the rig
@@ -63,14 +65,16 @@ def usd(
     sides: Sequence[str],
     colours: Mapping[str, tuple[int, int, int]],
     rig_name: str = OWN,
+    beside: Sequence[tuple[Recording, Sequence[str]]] = (),
 ) -> bytes:
     """The bytes of the file. FormatError where frames are not tracked, or the body is not one for
     the rig.
 
-    sides: which of the colours (sRGB, 0 to 255) each part has.
+    sides: which of the colours (sRGB, 0 to 255) each part has.  beside: the other bodies of the
+    scene, of the same frames and world, each with its sides.
     """
-    whole = recording.whole("USD")
-    rig, T_world_camera = rig_of(whole.skeleton, rig_name), whole.T_world_camera
+    whole = recording if beside else recording.whole("USD")
+    rig = rig_of(whole.skeleton, rig_name)
     stage = Usd.Stage.CreateInMemory(".usda")
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
@@ -80,10 +84,14 @@ def usd(
     stage.SetStartTimeCode(whole.numbers[0])
     stage.SetEndTimeCode(whole.numbers[-1])
     stage.GetRootLayer().customLayerData = _facts(whole, rig)
-    (body,) = _identifiers([whole.skeleton.body.name])
-    _put_body(stage, f"/{body}", whole, rig, T_world_camera, (sides, colours))
-    _put_camera(stage, "/Camera" if body != "Camera" else "/Camera_", whole)
-    stage.SetDefaultPrim(stage.GetPrimAtPath(f"/{body}"))
+    top = f"/{_identifiers([whole.skeleton.body.name])[0]}"
+    if beside:
+        top = UsdGeom.Xform.Define(stage, "/Bodies").GetPath().pathString
+        _put_bodies(stage, top, [(recording, sides), *beside], colours, rig_name)
+    else:
+        _put_body(stage, top, whole, rig, (sides, colours))
+    _put_camera(stage, "/Camera" if top != "/Camera" else "/Camera_", whole)
+    stage.SetDefaultPrim(stage.GetPrimAtPath(top))
     with tempfile.TemporaryDirectory() as folder:  # usd-core writes to a path and nowhere else
         path = Path(folder) / "motion.usd"
         stage.GetRootLayer().Export(str(path))
@@ -109,12 +117,25 @@ def _identifiers(names: Sequence[str]) -> tuple[str, ...]:
 # --- the body
 
 
+def _put_bodies(
+    stage: Any,
+    top: str,
+    bodies: Sequence[tuple[Recording, Sequence[str]]],
+    colours: Mapping[str, tuple[int, int, int]],
+    rig_name: str,
+) -> None:
+    """Several bodies, each below the prim of this path as its own."""
+    names = _identifiers([recording.body_id for recording, _ in bodies])
+    for name, (recording, sides) in zip(names, bodies, strict=True):
+        whole, rig = recording.whole("USD"), rig_of(recording.skeleton, rig_name)
+        _put_body(stage, f"{top}/{name}", whole, rig, (sides, colours))
+
+
 def _put_body(
     stage: Any,
     path: str,
     recording: Recording,
     rig: Rig,
-    T_world_camera: Array,
     painted: tuple[Sequence[str], Mapping[str, tuple[int, int, int]]],
 ) -> None:
     root = UsdSkel.Root.Define(stage, path)
@@ -126,7 +147,7 @@ def _put_body(
     skeleton.CreateRestTransformsAttr(_matrices(rig.Ts_parent_bone))
     motion = UsdSkel.Animation.Define(stage, f"{path}/Motion")
     motion.CreateJointsAttr(joints)
-    _put_curves(motion, recording, rig, T_world_camera)
+    _put_curves(motion, recording, rig)
     UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().AddTarget(
         motion.GetPath()
     )
@@ -142,8 +163,8 @@ def _joint_paths(rig: Rig) -> list[str]:
     return paths
 
 
-def _put_curves(motion: Any, recording: Recording, rig: Rig, T_world_camera: Array) -> None:
-    Rs, ps = rig.motion(parts_in_world(recording, T_world_camera))
+def _put_curves(motion: Any, recording: Recording, rig: Rig) -> None:
+    Rs, ps = rig.motion(parts_in_world(recording, recording.T_world_camera))
     turns = smooth_quaternions_xyzw(Rs)
     places = np.tile(rig.Ts_parent_bone[:, :3, 3].astype(np.float32), (len(ps), 1, 1))
     places[:, rig.mover] = ps

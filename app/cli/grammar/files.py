@@ -30,6 +30,7 @@ _EXPORT_EXAMPLES = """\
   keypose export session.json --format glb --rig mixamo --out rig
   keypose export session.json --format trc --filter 6Hz --fps 30 --frames 10-60 --out walk
   keypose export session.json --format trc,mot --markers halpe26 --out markers
+  keypose export session.json --format glb,trc --together --out scene
   keypose export session.json --format mot --model Model_Pose2Sim_simple.osim --out opensim
 """
 
@@ -37,6 +38,7 @@ _EXPORT_EXAMPLES = """\
 def add_export(commands: Subcommands) -> None:
     command = add_command(commands, "export", _export_details(), _EXPORT_EXAMPLES)
     add_session(command)
+    add_order(command, EachBody)
     command.add_argument(
         "--format",
         metavar="FORMAT[,FORMAT]",
@@ -61,11 +63,14 @@ def _export_details() -> str:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
     gaps = listed([name for name, kind in FORMATS.items() if kind.gaps])
     no_gaps = listed([name for name, kind in FORMATS.items() if not kind.gaps])
+    scenes = listed([name for name, kind in FORMATS.items() if kind.scene])
     own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
     return (
         f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
         f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
-        "the time of every frame and the others use the mean rate."
+        "the time of every frame and the others use the mean rate. Of several bodies there is one "
+        f"world; {scenes} hold them all in one scene, and of the others each body has a file of "
+        "its own, NAME.bvh, unless --together puts those that can into one."
     )
 
 
