@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,9 +16,12 @@ from keypose.app.cli.arguments import (
     order_of,
     require_of,
 )
+from keypose.app.cli.bodies import about_one, by_body, heading, of_body
 from keypose.app.cli.import_camera import import_camera
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
+from keypose.app.export.import_keypoints import match_keypoints
+from keypose.app.export.import_motion import LEAST_JOINTS
 from keypose.app.export.importing import (
     DraftImport,
     MotionImport,
@@ -25,7 +29,9 @@ from keypose.app.export.importing import (
     import_keypoints,
     import_motion,
     names_of,
+    video_facts,
 )
+from keypose.app.export.individuals import assigned, individuals_of
 from keypose.app.orders.imports import (
     IMPORTS,
     LEAST_TRACKED,
@@ -35,13 +41,20 @@ from keypose.app.orders.imports import (
 )
 from keypose.app.words.imports import note_words
 from keypose.tracker.apart import reading_apart
-from keypose.tracker.errors import FormatError
-from keypose.tracker.formats.keypoint_files import read_people
+from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import ChoiceError, FormatError
+from keypose.tracker.formats.joint_motion import JointMotion
+from keypose.tracker.formats.joint_names import matched
+from keypose.tracker.formats.keypoint_files import read_each
+from keypose.tracker.formats.people import People, chosen_individual
 from keypose.tracker.formats.reading import load_motion
+from keypose.tracker.formats.reading_keypoints import keypoints_of, on_video
 from keypose.tracker.session import Session
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.solver.fit_joints import POOR_M
 from keypose.tracker.storage.files import load_session, open_video_of, save_session
 from keypose.tracker.storage.sidecars import save_first_motion
+from keypose.tracker.video.info import VideoInfo
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
@@ -57,6 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.camera:
         if arguments.keypoints:
             raise FormatError("--keypoints is not for --camera.")
+        if arguments.body is not None:
+            raise FormatError("--body is not for --camera.")
         require_of(ImportCamera, IMPORTS, arguments, "--camera")
         with alone:
             import_camera(arguments)
@@ -65,50 +80,198 @@ def run(arguments: argparse.Namespace) -> int:
         require_of(ImportKeypoints, IMPORTS, arguments, "--keypoints")
     else:
         require_of(ImportMotion, IMPORTS, arguments, "motion")
-    file: Path = arguments.file
-    reader: Callable[..., Any] = read_people if arguments.keypoints else load_motion
+    reader: Callable[..., Any] = read_each if arguments.keypoints else load_motion
     with reading_apart(reader) as read, alone:
-        session = load_session(arguments.session)
-        with open_video_of(session, arguments.session) as video:
+        session = load_session(path)
+        with open_video_of(session, path) as video:
             info = video.info
-        if arguments.keypoints:
-            chosen = order_of(ImportKeypoints, arguments)
-            people = read(file, chosen.individual)
-            drafts = import_keypoints(session, people, file.name, chosen, info)
-            _keep_drafts(session, drafts, arguments)
-        else:
-            choices = order_of(ImportMotion, arguments)
-            motion = as_chosen(file.name, read(file), choices)
-            times_s = session.evidence.times_s(info.times_s)
-            made = import_motion(session, motion, file.name, choices, times_s)
-            if isinstance(made, DraftImport):
-                _keep_drafts(session, made, arguments)
-            else:
-                _keep_motion(session, made, arguments)
+        shares = (_keypoint_shares if arguments.keypoints else _motion_shares)(
+            session, read, info, arguments
+        )
+        taken = _every(shares, session)
+        for each in taken:
+            session = each.session.among(session.bodies)
+        if any(each.is_changed for each in taken):
+            save_session(session, path)
+    if arguments.json:
+        print_json(by_body({each.session.subject.id: each.facts for each in taken}, session))
+    for each in taken:
+        if not arguments.json:
+            for line in heading(each.session, session):
+                print(line)
+            each.show()
+        for words in each.doubts:
+            note(of_body(words, each.session.subject.id, session))
     return 0
+
+
+@dataclass(frozen=True, eq=False)
+class _Taken:
+    """What one body took over.  session: about it, not yet saved.  facts: for --json.  show: prints
+    it for a person.  doubts: what a person should know in either case."""
+
+    session: Session
+    is_changed: bool
+    facts: Mapping[str, Any]
+    show: Callable[[], None]
+    doubts: tuple[str, ...] = ()
+
+
+Share: TypeAlias = tuple[str, Callable[[], _Taken]]
+"""A body's id, and what brings it an individual of the file."""
+
+
+def _every(shares: Sequence[Share], session: Session) -> list[_Taken]:
+    """What the bodies take over, with a note of each whose individual does not suit it; FormatError
+    where none does."""
+    taken, refused = list[_Taken](), list[str]()
+    for body_id, take in shares:
+        try:
+            taken.append(take())
+        except ChoiceError:
+            raise
+        except FormatError as error:
+            refused.append(of_body(str(error), body_id, session) or "")
+    if not taken:
+        raise FormatError(refused[0])
+    for words in refused:
+        note(f"{words} It was left out.")
+    return taken
+
+
+def _motion_shares(
+    session: Session, read: Callable[..., Any], info: VideoInfo, arguments: argparse.Namespace
+) -> list[Share]:
+    order, file = order_of(ImportMotion, arguments), arguments.file.name
+    motion: JointMotion = read(arguments.file)
+    times_s = session.evidence.times_s(info.times_s)
+    individuals = individuals_of(motion, session.bodies)
+
+    def is_alike(body: TrackedBody) -> bool:
+        names = motion.of_individual(file, individuals[0]).names
+        count = len(matched(Skeleton.of(body.body), names, file).known)
+        return bool(order.names or order.places) or count >= LEAST_JOINTS
+
+    def share(about: Session, individual: str | None) -> Share:
+        own = replace(order, individual=individual)
+
+        def take() -> _Taken:
+            chosen = as_chosen(file, motion, own)
+            made = import_motion(about, chosen, file, own, times_s)
+            if isinstance(made, DraftImport):
+                return _with_drafts(about, made, arguments)
+            return _with_motion(about, made, arguments)
+
+        return about.subject.id, take
+
+    pairs = _assigned(session, individuals, order.individual, is_alike, arguments)
+    return [share(about, individual) for about, individual in pairs]
+
+
+def _keypoint_shares(
+    session: Session, read: Callable[..., Any], info: VideoInfo, arguments: argparse.Namespace
+) -> list[Share]:
+    order, file = order_of(ImportKeypoints, arguments), arguments.file.name
+    people: dict[str, People] = read(arguments.file, order.individual, len(session.bodies) > 1)
+    individuals = tuple(people) if len(people) > 1 else ()
+    first = next(iter(people.values()))
+    if (
+        len(session.bodies) > 1
+        and not arguments.body
+        and not order.individual
+        and not individuals
+        and first.most_at_once > 1
+    ):
+        raise FormatError(
+            f"{file} shows up to {first.most_at_once} people in a frame and does not tell them "
+            "apart. Choose a body with --body: it takes the surest of every frame."
+        )
+
+    def is_alike(body: TrackedBody) -> bool:
+        facts = video_facts(session, info)
+        shown, _ = on_video(file, first, facts, order.offset_frames or 0)
+        try:
+            keypoints = keypoints_of(file, shown, order.layout, facts)
+            match_keypoints(session.about(body.id), keypoints, file, dict(order.places))
+        except ChoiceError:
+            raise
+        except FormatError:
+            return False
+        return True
+
+    def share(about: Session, individual: str | None) -> Share:
+        own = people[individual or ""] if individual in people else first
+
+        def take() -> _Taken:
+            made = import_keypoints(about, own, file, order, info)
+            return _with_drafts(about, made, arguments)
+
+        return about.subject.id, take
+
+    pairs = _assigned(session, individuals, order.individual, is_alike, arguments)
+    return [share(about, individual) for about, individual in pairs]
+
+
+def _assigned(
+    session: Session,
+    individuals: Sequence[str],
+    individual: str | None,
+    is_alike: Callable[[TrackedBody], bool],
+    arguments: argparse.Namespace,
+) -> list[tuple[Session, str | None]]:
+    """Which body takes over which individual of the file, None where that is not said; which went
+    where is said where there are several of both.
+
+    individual: the one that is asked for.
+    """
+    file, several = arguments.file.name, len(session.bodies) > 1 and len(individuals) > 1
+    if individual is not None and not arguments.body:
+        called = assigned([individual], session.bodies, lambda _: False).individual_of
+        if called and len(session.bodies) > 1:
+            note(f"{file}: {individual} → {next(iter(called))}.")
+            return [(session.about(next(iter(called))), individual)]
+    if individual is not None or not several:
+        return [(about_one(session, arguments), individual)]
+    if arguments.body:
+        about = session.about_called(arguments.body)
+        called = assigned(individuals, about.bodies, lambda _: False).individual_of
+        own = called.get(about.subject.id)
+        return [(about, chosen_individual(file, individuals, own))]
+    assignment = assigned(individuals, session.bodies, is_alike)
+    if not assignment.individual_of:  # reading it for the first body says what is wrong
+        return [(session.about(session.subject.id), individuals[0])]
+    for words in assignment.sentences(file):
+        note(words)
+    return [(session.about(body), own) for body, own in assignment.individual_of.items()]
 
 
 # --- motion
 
 
-def _keep_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> None:
+def _with_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> _Taken:
+    """The motion is written beside the session, which refers to it."""
     imported_motion, file = made.found, arguments.file.name
     motion = imported_motion.fit.trajectory
     saved = save_first_motion(session, arguments.session, motion, file, made.matched)
-    save_session(saved, arguments.session)
     assert saved.subject.first_motion is not None
     written = arguments.session.parent / saved.subject.first_motion.file
-    _print_motion(_facts(made, written), arguments.json)
-    for words in note_words(imported_motion.notes):
-        note(words)
+    facts = _facts(made, written)
+    doubts = tuple(_doubts(session, made, arguments))
+    return _Taken(saved, True, facts, lambda: _print_motion(facts), doubts)
+
+
+def _doubts(session: Session, made: MotionImport, arguments: argparse.Namespace) -> Iterator[str]:
+    """What a person should know of a motion."""
+    imported_motion = made.found
+    yield from note_words(imported_motion.notes)
     if imported_motion.scale == 1.0 and abs(imported_motion.size - 1.0) > UNLIKE:
         percent, word = (
             100 * abs(1 / imported_motion.size - 1),
             "larger" if imported_motion.size < 1 else "smaller",
         )
-        note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
+        yield f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it."
     if len(session.subject.keyframes) < LEAST_TRACKED:
-        note(
+        yield (
             f"keypose reduce {arguments.session} makes keyframes of it, to edit and to track from."
         )
 
@@ -138,10 +301,7 @@ def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
     }
 
 
-def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
-    if as_json:
-        print_json(facts)
-        return
+def _print_motion(facts: dict[str, Any]) -> None:
     print(f"Frames {facts['first_frame']}–{facts['last_frame']}.")
     _print_names(facts, "joints")
     if f"{facts['scale']:.3g}" != "1":
@@ -163,28 +323,16 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 # --- keypoints
 
 
-def _keep_drafts(
+def _with_drafts(
     session: Session, draft_import: DraftImport, arguments: argparse.Namespace
-) -> None:
-    if draft_import.drafts:
-        save_session(draft_import.added_to(session), arguments.session)
-    _print_drafts(session, draft_import, arguments)
-
-
-def _print_drafts(
-    session: Session, draft_import: DraftImport, arguments: argparse.Namespace
-) -> None:
-    drafts, frames, names = (
-        draft_import.drafts,
-        draft_import.frames,
-        names_of(draft_import.known, draft_import.names),
-    )
+) -> _Taken:
+    drafts = draft_import.drafts
     made = {draft.keyframe.frame for draft in drafts}
     posed = {k.frame for k in (*session.subject.keyframes, *session.subject.drafts)}
-    kept = [frame for frame in frames if frame in posed]
-    empty = [frame for frame in frames if frame not in posed and frame not in made]
-    if arguments.json:
-        drafts_json = [
+    frames = draft_import.frames
+    facts = {
+        **names_of(draft_import.known, draft_import.names),
+        "drafts": [
             {
                 "frame": draft.keyframe.frame,
                 "keypoints": draft.keypoints,
@@ -193,12 +341,24 @@ def _print_drafts(
                 "doubtful": draft.doubtful,
             }
             for draft in drafts
-        ]
-        notes = note_words(draft_import.notes)
-        facts = {"drafts": drafts_json, "kept": kept, "without_keypoints": empty, "notes": notes}
-        print_json({**names, **facts})
-        return
-    _print_names(names, "keypoints")
+        ],
+        "kept": [frame for frame in frames if frame in posed],
+        "without_keypoints": [f for f in frames if f not in posed and f not in made],
+        "notes": note_words(draft_import.notes),
+    }
+    return _Taken(
+        draft_import.added_to(session) if drafts else session,
+        bool(drafts),
+        facts,
+        lambda: _print_drafts(draft_import, facts, arguments),
+    )
+
+
+def _print_drafts(
+    draft_import: DraftImport, facts: dict[str, Any], arguments: argparse.Namespace
+) -> None:
+    drafts, kept, empty = draft_import.drafts, facts["kept"], facts["without_keypoints"]
+    _print_names(facts, "keypoints")
     for draft in drafts:
         doubt = "; look at it closely" if draft.doubtful or not draft.converged else ""
         print(

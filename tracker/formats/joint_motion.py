@@ -104,22 +104,35 @@ class JointMotion:
 
         FormatError where which one is not said, or is not there.
         """
-        of_name = [name.rpartition(":")[::2] for name in self.names]
-        counts = Counter(joint for _, joint in of_name)
-        several = {joint for joint, count in counts.items() if count > 1}
-        if len(several) < LEAST_SHARED:
-            if wanted is not None:
-                raise FormatError(f"{file} does not tell individuals apart: leave out {wanted!r}.")
+        subjects, owners = self.subjects, self.owners
+        if not subjects and wanted is None:
             return self
-        subjects = dict.fromkeys(subject for subject, joint in of_name if joint in several)
-        chosen = chosen_individual(file, list(subjects), wanted)
-        mine = [i for i, (subject, _) in enumerate(of_name) if subject == chosen]
+        if not subjects and wanted not in owners:
+            raise FormatError(f"{file} does not tell individuals apart: leave out {wanted!r}.")
+        chosen = wanted if wanted in owners else chosen_individual(file, subjects, wanted)
+        mine = [i for i, subject in enumerate(owners) if subject == chosen]
         return replace(
             self,
             names=tuple(self.names[i] for i in mine),
             ps_world_joint=self.ps_world_joint[:, mine],
             rest_m=None if self.rest_m is None else self.rest_m[mine],
         )
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """(J,) what stands before the colon in each joint's name."""
+        return tuple(name.rpartition(":")[0] for name in self.names)
+
+    @property
+    def subjects(self) -> tuple[str, ...]:
+        """The subjects that have joints in common, whose names stand before a colon; none of a file
+        of one."""
+        of_name = [name.rpartition(":")[::2] for name in self.names]
+        counts = Counter(joint for _, joint in of_name)
+        shared = {joint for joint, count in counts.items() if count > 1}
+        if len(shared) < LEAST_SHARED:
+            return ()
+        return tuple(dict.fromkeys(subject for subject, joint in of_name if joint in shared))
 
     def with_joint_centres(self) -> JointMotion:
         """Add the joint centre between each pair of markers, such as LWRA+LWRB."""

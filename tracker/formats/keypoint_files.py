@@ -14,6 +14,8 @@ MediaPipe: its results under their own names, `pose_landmarks` in Python and `la
 of x, y, z and visibility; one that says nothing of its visibility is seen.
 
 SLEAP, DeepLabCut: see `sleap` and `deeplabcut`; one individual of a file that tells them apart.
+People are told apart by `track_id` or AlphaPose's `idx` of COCO, OpenPose's `person_id` and
+`track_id` of MMPose, where everybody has one and no frame has it twice.
 
 Of several numbers in the names of pictures the last that differs between all of them counts.
 Width, height and fps of the video count where they are given: at the top, under `metadata`, `info`
@@ -28,16 +30,18 @@ from typing import Any, Final
 
 from pydantic_core import from_json
 
-from keypose.tracker.errors import FormatError
+from keypose.tracker.errors import ChoiceError, FormatError
 from keypose.tracker.files import TooLarge, read_regular
 from keypose.tracker.formats import deeplabcut, hdf5, sleap
-from keypose.tracker.formats.people import People, frame_numbers
+from keypose.tracker.formats.people import People, frame_numbers, identity
 from keypose.tracker.formats.reading_csv import rows_of
 from keypose.tracker.formats.text import decoded
 
 LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
 LARGEST_PERSON_BYTES: Final = 16 * 2**20
 MOST_FILES: Final = 200_000
+MOST_READ: Final = 64
+"""Individuals of a file that are read at once."""
 
 _LANDMARKS: Final = ("pose_landmarks", "poseLandmarks", "landmarks", "landmark")
 _FRAME: Final = ("frame", "frame_index", "frameIndex", "frame_number", "frameNumber")
@@ -52,7 +56,7 @@ def read_people(path: Path, individual: str | None = None) -> People:
     """
     try:
         if path.is_dir():
-            return _single(path.name, individual, _openpose(path))
+            return _openpose(path).of_individual(path.name, individual)
         read = KEYPOINT_READERS.get(path.suffix.lower())
         if read is not None:
             return read(path.name, read_regular(path, LARGEST_KEYPOINT_BYTES), individual)
@@ -71,13 +75,20 @@ def read_people(path: Path, individual: str | None = None) -> People:
         people = _mmpose(path.name, data)
     else:
         people = (_mediapipe if _has_landmarks(data) else _coco)(path.name, data)
-    return _single(path.name, individual, people)
+    return people.of_individual(path.name, individual)
 
 
-def _single(file: str, individual: str | None, people: People) -> People:
-    if individual is not None:
-        raise FormatError(f"{file} does not tell individuals apart: leave out the individual.")
-    return people
+def read_each(path: Path, individual: str | None, every: bool) -> dict[str, People]:
+    """The people in a file by their names: each of a file that tells individuals apart, where
+    `every` asks for that and no individual is named; else as `read_people`, without a name."""
+    if individual is not None or not every:
+        return {individual or "": read_people(path, individual)}
+    try:
+        people = read_people(path)
+    except ChoiceError as several:
+        return {name: read_people(path, name) for name in several.choices[:MOST_READ]}
+    names = people.individuals[:MOST_READ]
+    return {name: people.of_individual(path.name, name) for name in names} or {"": people}
 
 
 def _json(path: Path, largest: int) -> Any:
@@ -168,10 +179,16 @@ def _folder(contents: Mapping[str, Any]) -> People:
     numbers = frame_numbers(list(contents))
     is_mmpose = all(isinstance(content, list) for content in contents.values())
     of_file = _instances if is_mmpose else _openpose_people
-    frames: dict[int, list[Any]] = {}
+    frames, ids = dict[int, list[Any]](), dict[int, list[str]]()
     for name, data in contents.items():
         frames.setdefault(numbers[name], []).extend(of_file(name, data))
-    return People(frames, program="MMPose" if is_mmpose else "OpenPose")
+        ids.setdefault(numbers[name], []).extend(_ids(data if is_mmpose else data["people"]))
+    return People(frames, program="MMPose" if is_mmpose else "OpenPose", ids=ids)
+
+
+def _ids(persons: list[Any] | None) -> list[str]:
+    """Who each person of OpenPose or MMPose is, as far as that is said."""
+    return [identity(each.get("track_id"), each.get("person_id")) for each in persons or []]
 
 
 def _openpose_people(file: str, data: Any) -> list[Any]:
@@ -196,13 +213,14 @@ def _mmpose(file: str, data: Any) -> People:
     listed, first = (data["instance_info"], 1) if isinstance(data, dict) else (data, 0)
     if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
         raise _unknown(file)
-    frames: dict[int, list[Any]] = {}
+    frames, ids = dict[int, list[Any]](), dict[int, list[str]]()
     for place, entry in enumerate(listed):
         frame = entry.get("frame_id", place + first)
         if not isinstance(frame, int) or isinstance(frame, bool) or not first <= frame < 1e9:
             raise FormatError(f"{file} has a frame that is numbered {str(frame)[:20]}.")
         frames.setdefault(frame - first, []).extend(_instances(file, entry.get("instances")))
-    return People(frames, program="MMPose")
+        ids.setdefault(frame - first, []).extend(_ids(entry.get("instances")))
+    return People(frames, program="MMPose", ids=ids)
 
 
 def _instances(file: str, data: Any) -> list[Any]:
@@ -244,7 +262,7 @@ def _coco(file: str, data: Any) -> People:
         for image in (listed if isinstance(listed, list) else [])
         if isinstance(image, dict)
     }
-    frames: dict[int, list[Any]] = {}
+    frames, ids = dict[int, list[Any]](), dict[int, list[str]]()
     sizes = set(_size(coco))
     of_annotation = [
         str(annotation.get("image_id", place)) for place, annotation in enumerate(annotations)
@@ -253,10 +271,12 @@ def _coco(file: str, data: Any) -> People:
     numbers = frame_numbers(pictures)
     for annotation, number, picture in zip(annotations, of_annotation, pictures, strict=True):
         frames.setdefault(numbers[picture], []).append(annotation.get("keypoints"))
+        who = identity(annotation.get("track_id"), annotation.get("idx"))
+        ids.setdefault(numbers[picture], []).append(who)
         if annotation.get("keypoints"):
             sizes.update(_size(images.get(number, {})))
     names = _category_names(coco.get("categories"))
-    return People(frames, names, sizes=frozenset(sizes), fps=_fps(coco), program="COCO")
+    return People(frames, names, None, frozenset(sizes), _fps(coco), "COCO", ids)
 
 
 def _category_names(categories: Any) -> tuple[str, ...] | None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from keypose.tracker.geometry.rotations import Array
 
 MOST_NUMBERS = 10_000_000
 """Keypoints over all frames and individuals of a table."""
+LONGEST_IDENTITY = 60
+"""Letters."""
 MOST_LISTED = 12
 """Names of individuals in a sentence."""
 
@@ -28,6 +31,7 @@ class People:
     sizes:  width and height of the pictures, where the file gives them.
     fps:    the video's, where the file gives it.
     program: which one's files look like this.
+    ids:    by frame the identity of each person there, empty of one that the file gives none.
     """
 
     frames: Mapping[int, Sequence[Any]]
@@ -36,6 +40,33 @@ class People:
     sizes: frozenset[tuple[float, float]] = frozenset()
     fps: float | None = None
     program: str = ""
+    ids: Mapping[int, Sequence[str]] = field(default_factory=dict)
+
+    @property
+    def individuals(self) -> tuple[str, ...]:
+        """The people whom the file tells apart, as they first appear; none where somebody has no
+        identity, or a frame has one twice."""
+        each = [self.ids.get(frame, ()) for frame in sorted(self.frames)]
+        are_apart = all(all(ids) and len(set(ids)) == len(ids) for ids in each)
+        return tuple(dict.fromkeys(chain.from_iterable(each))) if are_apart else ()
+
+    def of_individual(self, file: str, wanted: str | None) -> People:
+        """One of the people alone, all where none is asked for; FormatError where the file does not
+        tell people apart, or has not this one."""
+        if wanted is None:
+            return self
+        if not self.individuals:
+            raise FormatError(f"{file} does not tell individuals apart: leave out the individual.")
+        chosen = chosen_individual(file, self.individuals, wanted)
+        frames = {
+            frame: [
+                person
+                for person, own in zip(persons, self.ids[frame], strict=True)
+                if own == chosen
+            ]
+            for frame, persons in self.frames.items()
+        }
+        return replace(self, frames=frames, ids={})
 
     @property
     def most_at_once(self) -> int:
@@ -58,6 +89,18 @@ def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None)
     if wanted not in individuals:
         raise FormatError(f"{file} has no individual {wanted!r}; it has {shown}.")
     return wanted
+
+
+def identity(*claims: Any) -> str:
+    """The first of a file's claims that says who somebody is, a number or text, maybe alone in a
+    list; empty where none does, as −1 does not."""
+    for claim in claims:
+        value = claim[0] if isinstance(claim, list) and len(claim) == 1 else claim
+        if isinstance(value, str) and value:
+            return value[:LONGEST_IDENTITY]
+        if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+            return str(value)
+    return ""
 
 
 def person_numbers(file: str, uv: Array, confidence: Array) -> list[list[float]]:

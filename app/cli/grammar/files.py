@@ -19,7 +19,7 @@ from keypose.app.cli.arguments import (
     motion_formats,
 )
 from keypose.app.export.motion_formats import FORMATS
-from keypose.app.orders.bodies import EachBody
+from keypose.app.orders.bodies import EachBody, OneBody
 from keypose.app.orders.imports import IMPORTS
 from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.errors import listed
@@ -90,11 +90,14 @@ def add_import(commands: Subcommands) -> None:
         "is fitted to the session's body, aligned with its keyframes and saved as an initial "
         "guess, which tracking uses where it fits better than its own. With --keypoints, COCO, "
         "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. With "
-        "--camera: the film's camera as another program found it. "
+        "--camera: the film's camera as another program found it. Where file and session have "
+        "several, individuals go to the bodies of their names, the others in their order to those "
+        "that are left, and which went where is said. "
         "Keyframes are never changed."
     )
     command = add_command(commands, "import", details, _IMPORT_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     file_help = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
     command.add_argument("file", metavar="FILE", type=file_name, help=file_help)
     command.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
