@@ -30,6 +30,7 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     "run": ("motion", "Turn films into motion without a hand: draft, track, stand, export"),
     "draft": ("motion", "Draft a pose for every frame, of the person in a box or found"),
     "add-film": ("motion", "Add another film of the same motion: its clock and camera are found"),
+    "add-body": ("motion", "Add a body to a session, or remove one"),
     "track": ("motion", "Track the motion between the keyframes"),
     "camera": (
         "motion",
@@ -41,7 +42,7 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     "fit": ("motion", "Fit the body to observed surfaces, one mesh per time step"),
     "batch": (
         "motion",
-        "Track many saved sessions again, as the page would, or the films of a table",
+        "Track many saved sessions again, or the films of a table",
     ),
     "evaluate": ("motion", "Measure the tracked motion against a reference"),
     "shot": ("pictures", "Render the body at one frame into a PNG file"),
@@ -60,7 +61,7 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
     ),
     "info": (
         "files",
-        "Show size, frames, rate and fingerprint of a video file or a folder of images",
+        "Show a video's size, frames, rate and fingerprint, or a session's bodies",
     ),
     "models": ("files", "List the networks that find keypoints, add or remove one"),
     "schema": ("program", "Print the JSON Schema of a body file or a session file"),
@@ -102,6 +103,9 @@ def add_command(
     return command
 
 
+SESSION_WORDS = "the session's file or folder, or its video"
+
+
 def add_session(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "session",
@@ -109,7 +113,7 @@ def add_session(command: argparse.ArgumentParser) -> None:
         type=session_file,
         nargs="?",
         default=os.curdir,
-        help="the session's file or folder, or its video; default: the one in this folder",
+        help=f"{SESSION_WORDS}; default: the one in this folder",
     )
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import operator
+import re
+import unicodedata
 from collections.abc import Sequence
-from typing import Any
+from itertools import chain, count
+from typing import Any, Final
 
 from pydantic import Field, model_validator
 
@@ -31,6 +34,9 @@ class ViewKeypoints(Plain):
     keypoint_corrections: tuple[KeypointCorrection, ...] = Field(
         default=(), exclude_if=operator.not_
     )
+
+LONGEST_STEM: Final = 32
+"""Letters of an id that a number may follow."""
 
 
 class TrackedBody(Plain):
@@ -107,3 +113,13 @@ def bodies_words(bodies: Sequence[TrackedBody]) -> str:
 def called(body: TrackedBody) -> str:
     """Such as "body (adult_male)", or "ball" where id and name are the same."""
     return body.id if body.id == body.body.name else f"{body.id} ({body.body.name})"
+
+
+def free_id(wish: str, bodies: Sequence[TrackedBody]) -> str:
+    """An id that none of the bodies has: the wish in what ids may have, and a number where it is
+    taken; such as "left-shoe-2" of "Left shoe"."""
+    plain = unicodedata.normalize("NFKD", wish.lower()).encode("ascii", "ignore").decode()
+    stem = re.sub(r"[^a-z0-9_]+", "-", plain).strip("-")[:LONGEST_STEM] or "body"
+    taken = {body.id for body in bodies}
+    numbered = (f"{stem}-{number}" for number in count(2))
+    return next(each for each in chain([stem], numbered) if each not in taken)

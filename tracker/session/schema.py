@@ -22,6 +22,7 @@ from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.body.heading import CAMERA_UP
 from keypose.tracker.body.pose import part_transforms
 from keypose.tracker.body.skeleton import Skeleton
+from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array, rotation_from_quaternion
 from keypose.tracker.geometry.up import UpEstimate, UpSource
@@ -31,7 +32,7 @@ from keypose.tracker.session.annotations import (
     require_corrections,
     require_notes,
 )
-from keypose.tracker.session.bodies import TrackedBody, ViewKeypoints, body_called
+from keypose.tracker.session.bodies import TrackedBody, ViewKeypoints, body_called, free_id
 from keypose.tracker.session.bonds import BondList, require_bonds
 from keypose.tracker.session.camera_motion import path_through
 from keypose.tracker.session.counts import MOST, few, require_few
@@ -397,6 +398,25 @@ class Session(Plain):
         settings = self.settings.model_copy(update={"static_camera": None})
         views = (chosen.model_copy(update=there),)
         return self.model_copy(update={"views": views, "settings": settings})
+
+    def with_new_body(self, body: Body, wish: str) -> tuple[Self, TrackedBody]:
+        """The same with one body more, not posed, whose id is as the wish, or that and a number;
+        SessionError where there are as many as a session may have."""
+        if len(self.bodies) >= MOST_BODIES:
+            raise SessionError(f"The session has {MOST_BODIES} bodies: more it cannot have.")
+        added = TrackedBody(id=free_id(wish, self.bodies), body=body)
+        return self.model_copy(update={"bodies": (*self.bodies, added)}), added
+
+    def without_body(self, body_id: str) -> Self:
+        """The same without one of its bodies, and its parts that are left out of tracking;
+        SessionError where it has no other."""
+        bodies = tuple(body for body in self.bodies if body.id != body_id)
+        if not bodies:
+            raise SessionError("A session needs a body: add another before you remove its last.")
+        names = {name for each in bodies for name in each.body.names}
+        left_out = tuple(name for name in self.settings.left_out if name in names)
+        settings = self.settings.model_copy(update={"left_out": left_out})
+        return self.model_copy(update={"bodies": bodies, "settings": settings})
 
     def with_body(self, subject: TrackedBody) -> Self:
         """The same with another state of one of its bodies, known by its id."""

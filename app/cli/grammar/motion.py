@@ -9,6 +9,7 @@ from collections.abc import Container
 from typing import TYPE_CHECKING
 
 from keypose.app.cli.arguments import (
+    SESSION_WORDS,
     UNITS,
     UP_AXES,
     Once,
@@ -26,11 +27,11 @@ from keypose.app.cli.arguments import (
     typed,
 )
 from keypose.app.orders.bodies import EachBody, OneBody
-from keypose.app.orders.film import BesideOrder, FilmOrder, RunOrder
+from keypose.app.orders.film import PEOPLE, BesideOrder, FilmOrder, RunOrder
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
-from keypose.app.orders.values import FrameRange, Number, Whole
+from keypose.app.orders.values import FrameRange, Name, Number, Whole
 
 if TYPE_CHECKING:
     from keypose.tracker.reduction.result import Every, Tolerance
@@ -100,6 +101,43 @@ def add_add_film(commands: Subcommands) -> None:
         type=file_name,
         help="the cameras of both films: Qualisys, TOML of Anipose, FreeMoCap or Pose2Sim, or a "
         "stereo calibration of OpenCV. Which are theirs is found, and they are refined by the body",
+    )
+    command.add_argument(
+        "--dry-run", action="store_true", help="say what would change and write nothing"
+    )
+    add_json(command)
+
+
+_ADD_BODY_EXAMPLES = """\
+  keypose add-body jump.keypose child
+  keypose add-body jump.keypose box --name ball
+  keypose add-body jump.keypose --remove ball
+"""
+
+
+def add_add_body(commands: Subcommands) -> None:
+    details = (
+        f"A body is one of {', '.join(PRESETS)}, or a file as `keypose schema body` describes it. "
+        "It has no keyframes yet: `keypose import` brings it some, or write them into the session. "
+        "Every body is tracked by itself. What is removed goes with its keyframes and its motion; "
+        "session.json.previous has them until the next save."
+    )
+    command = add_command(commands, "add-body", details, _ADD_BODY_EXAMPLES)
+    command.add_argument("session", metavar="SESSION", type=session_file, help=SESSION_WORDS)
+    command.add_argument(
+        "preset",
+        metavar="PRESET|BODY.json",
+        nargs="?",
+        help="the body to add; default: that of `keypose config`",
+    )
+    command.add_argument(
+        "--name",
+        metavar="NAME",
+        type=typed(Name()),
+        help="what it is called: its id is made of that; default: the body's own name",
+    )
+    command.add_argument(
+        "--remove", metavar="NAME", help="instead, remove a body, by its id or name"
     )
     command.add_argument(
         "--dry-run", action="store_true", help="say what would change and write nothing"
@@ -205,6 +243,9 @@ def add_camera(commands: Subcommands) -> None:
     add_json(command)
     add_overwrite(command)
 
+
+PRESETS = (*PEOPLE, "dog", "horse", "box", "cylinder")
+"""As in tracker.body.body, which would load more than help needs."""
 
 GOALS = (3, 5, 8, 12)
 """As in app.editor.review, which would load more than help needs."""
