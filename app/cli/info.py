@@ -55,7 +55,8 @@ def _of_session(arguments: argparse.Namespace) -> Description:
     session = load_session(path)
     each = {about.subject.id: _body_facts(about, path) for about in about_each(session, arguments)}
     facts = {"session": str(path), "video": session.view.video.path, "bodies": each}
-    return facts, [str(path), *(_body_line(name, body) for name, body in each.items())]
+    width = max(map(len, each))
+    return facts, [str(path), *(_body_line(f"{name:{width}}", each[name]) for name in each)]
 
 
 def _body_facts(session: Session, path: Path) -> dict[str, Any]:
@@ -76,7 +77,7 @@ def _body_line(body_id: str, facts: dict[str, Any]) -> str:
     words = {"none": "not tracked", "check": "to check"}
     segments = [f"{count} {words.get(state, state)}" for state, count in facts["segments"].items()]
     return (
-        f"  {body_id:<12}{facts['name']}; parts: {facts['parts']}, "
+        f"  {body_id}  {facts['name']}; parts: {facts['parts']}, "
         f"keyframes: {len(facts['keyframes'])}, drafts: {len(facts['drafts'])}, "
         f"segments: {', '.join(segments) or 'none'}"
     )

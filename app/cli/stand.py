@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from keypose.app.cli.arguments import note
-from keypose.app.cli.bodies import about_each, by_body, heading
+from keypose.app.cli.bodies import about_each, by_body, heading, of_body
 from keypose.app.cli.change import Change, run_change
 from keypose.app.jobs.stand import resolved, stood
 from keypose.app.words.problems import pin_sentence
@@ -43,19 +43,19 @@ def _stood(session: Session, arguments: argparse.Namespace) -> Change:
     """Stand the bodies one after the other on one floor: that which the first of them finds."""
     path, standing = arguments.session, dict[str, _Stood]()
     whole, asked = session, [about.subject.id for about in about_each(session, arguments)]
-    refused: SessionError | None = None
+    refused = list[str]()
     for name in asked:
         try:
             each = _stood_after(whole.about(name), path, list(standing.values()))
         except SessionError as error:
-            refused = refused or error
-            if len(asked) > 1:
-                note(f"{name} was not stood on the floor. {error}")
+            refused.append(of_body(str(error), name, session) or "")
             continue
         standing[name] = each
         whole = each.done.session.among(whole.bodies)
-    if refused is not None and not standing:
-        raise refused
+    if not standing:
+        raise SessionError(" ".join(refused))
+    for words in refused:
+        note(f"{words} It was not stood on the floor.")
     results = {name: each.results for name, each in standing.items()}
     for body in whole.bodies:
         if body.id not in standing and body.results is not None:

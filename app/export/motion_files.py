@@ -166,16 +166,38 @@ def files_of_bodies(
     bodies: in one world, over the same frames.
     """
     kind = FORMATS[format_name]
+    if len(bodies) == 1 or kind.of_camera:
+        return motion_files(format_name, bodies[0], order), []
     if kind.together is not None and (kind.scene or order.together):
+        return _files_together(format_name, bodies, order)
+    files, refused = _files_apart(format_name, bodies, order)
+    return {name: content for own in files.values() for name, content in own.items()}, refused
+
+
+def _files_together(
+    format_name: MotionFormat, bodies: Sequence[Recording], order: MotionOrder
+) -> tuple[dict[str, bytes], list[str]]:
+    """As `files_of_bodies`: all in one file but those that it cannot hold."""
+    try:
         return motion_files(format_name, bodies[0], order, bodies[1:]), []
-    files, refused = dict[str, bytes](), list[str]()
-    for body in bodies[:1] if kind.of_camera else bodies:
+    except FormatError:
+        files, refused = _files_apart(format_name, bodies, order)
+        if not refused:  # it is all together that does not suit it
+            raise
+    first, *others = (body for body in bodies if body.body_id in files)
+    return motion_files(format_name, first, order, others), refused
+
+
+def _files_apart(
+    format_name: MotionFormat, bodies: Sequence[Recording], order: MotionOrder
+) -> tuple[dict[str, dict[str, bytes]], list[str]]:
+    """The files of each body that has some, by its id; and why others have none."""
+    files, refused = dict[str, dict[str, bytes]](), list[str]()
+    for body in bodies:
         try:
-            files |= motion_files(format_name, body, order)
+            files[body.body_id] = motion_files(format_name, body, order)
         except FormatError as error:
             refused.append(f"{format_name.upper()} of {body.body_id}: {error}")
-            if len(bodies) == 1:
-                raise
     if not files:
         raise FormatError(refused[0])
     return files, refused

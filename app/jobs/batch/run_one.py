@@ -55,6 +55,7 @@ from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.review.places import review_of
 from keypose.tracker.session import Session
+from keypose.tracker.session.bodies import bodies_words
 from keypose.tracker.space.soles import soles_of
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import (
@@ -205,7 +206,8 @@ def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summ
         summary = _reviewed(task, summary)
     elif task.film is not None:
         summary = replace(summary, notes=(BY_HAND,))
-    summary = replace(summary, notes=(*summary.notes, *_films_words(task.session)))
+    more = (*_films_words(task.session), *_bodies_words(task.session))
+    summary = replace(summary, notes=(*summary.notes, *more))
     if task.export is None:
         return summary
     _leave_when(stop)
@@ -226,6 +228,17 @@ def _films_words(session_path: Path) -> tuple[str, ...]:
     tracks = load_tracks(session, session_path)
     words = film_errors_words(errors_in_films(session, tracks, session_path.parent))
     return (words,) if words else ()
+
+
+def _bodies_words(session_path: Path) -> tuple[str, ...]:
+    """Say which of several bodies alone a batch is about; nothing of one."""
+    session = load_session(session_path)
+    if len(session.bodies) == 1:
+        return ()
+    return (
+        f"Of {bodies_words(session.bodies)} a batch takes {session.subject.id} alone: "
+        "keypose track and keypose export take all.",
+    )
 
 
 def _leave_when(stop: Event) -> None:

@@ -223,7 +223,7 @@ def test_several_bodies_stand_on_one_floor_and_what_has_no_feet_is_said(
 ) -> None:
     assert main(["stand", str(three)]) == 0
     said = capsys.readouterr()
-    assert "crate was not stood on the floor. The body 'box' has no feet" in said.err
+    assert "crate: The body 'box' has no feet with heel and toe. It was not stood" in said.err
     assert [line for line in said.out.splitlines() if line.endswith(":")] == [
         "body (adult_male):",
         "second (adult_male):",
@@ -258,5 +258,18 @@ def test_a_body_that_is_asked_for_and_cannot_stand_is_refused(
 ) -> None:
     before = three.read_bytes()
     assert main(["stand", str(three), "--body", "crate"]) == 2
-    assert "has no feet with heel and toe" in capsys.readouterr().err
+    assert "crate: The body 'box' has no feet with heel and toe" in capsys.readouterr().err
     assert three.read_bytes() == before
+
+
+def test_why_no_body_stands_is_said_of_each(
+    three: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(three)
+    bodies = tuple(body.model_copy(update={"results": None}) for body in session.bodies)
+    save_session(session.model_copy(update={"bodies": bodies}), three)
+    assert main(["stand", str(three)]) == 2
+    assert capsys.readouterr().err == (
+        "body: Nothing is tracked yet: track the motion first. second: Nothing is tracked yet: "
+        "track the motion first. crate: The body 'box' has no feet with heel and toe.\n"
+    )

@@ -228,6 +228,17 @@ def test_a_body_that_a_format_cannot_hold_is_said_and_the_rest_is_written() -> N
         files_of_bodies("amass", bodies()[2:] * 2, MotionOrder())
 
 
+def test_a_scene_has_all_bodies_but_one_with_a_gap_which_is_said() -> None:
+    ann, bob, crate = bodies()
+    gap = ann.tracks.ps_camera_root.copy()
+    gap[20:25] = np.nan
+    with_gap = replace(ann, tracks=replace(ann.tracks, ps_camera_root=gap))
+    content, refused = files_of_bodies("glb", (with_gap, bob, crate), MotionOrder())
+    assert refused[0].startswith("GLB of ann: Frames 20 to 24 are not tracked")
+    meshes = Player.of(content["motion.glb"]).gltf.meshes
+    assert [mesh.name for mesh in meshes] == ["bob", "crate"]
+
+
 def test_a_vrm_animation_of_several_bodies_is_refused() -> None:
     with pytest.raises(FormatError, match="one body: choose it with --body"):
         files_of_bodies("glb", bodies()[:2], MotionOrder(rig="vrm"))

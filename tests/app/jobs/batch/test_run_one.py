@@ -22,6 +22,7 @@ from keypose.app.orders.tracking import TrackOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import load_results
+from tests.app.bodies_cases import of_two
 from tests.app.document.test_folder_lock import holder
 from tests.app.jobs.batch.batch_cases import write_sessions
 from tests.app.jobs.job_cases import segments
@@ -53,6 +54,14 @@ def test_every_segment_is_tracked_and_reported(path: Path) -> None:
     assert [step.percent for step in steps] == sorted(step.percent for step in steps)
     assert steps[-1].percent == 100
     assert sum(step.segment is not None for step in steps) == 2
+
+
+def test_of_several_bodies_the_first_alone_is_tracked_which_is_said(path: Path) -> None:
+    save_session(of_two(load_session(path)), path)
+    summary, _ = done(path)
+    (words,) = summary.notes
+    assert "Of body (small) and second (small) a batch takes body alone" in words
+    assert [body.results is not None for body in load_session(path).bodies] == [True, False]
 
 
 def test_with_all_results_fitting_nothing_is_left_to_do(path: Path) -> None:
