@@ -21,7 +21,7 @@ from keypose.app.cli.import_camera import import_camera
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
 from keypose.app.export.import_keypoints import match_keypoints
-from keypose.app.export.import_motion import LEAST_JOINTS
+from keypose.app.export.import_motion import LEAST_JOINTS, Placed
 from keypose.app.export.importing import (
     DraftImport,
     MotionImport,
@@ -152,19 +152,26 @@ def _motion_shares(
         count = len(matched(Skeleton.of(body.body), names, file).known)
         return bool(order.names or order.places) or count >= LEAST_JOINTS
 
+    placed = dict[str, Placed]()
+
     def share(about: Session, individual: str | None) -> Share:
         own = replace(order, individual=individual)
 
         def take() -> _Taken:
             chosen = as_chosen(file, motion, own)
-            made = import_motion(about, chosen, file, own, times_s)
+            first, beside = next(iter(placed.items()), ("", None))
+            made = import_motion(about, chosen, file, own, times_s, beside=beside)
             if isinstance(made, DraftImport):
                 return _with_drafts(about, made, arguments)
-            return _with_motion(about, made, arguments)
+            if made.found.placed is not None:
+                placed[about.subject.id] = made.found.placed
+            return _with_motion(about, made, first, session, arguments)
 
         return about.subject.id, take
 
     pairs = _assigned(session, individuals, order.individual, is_alike, arguments)
+    # Bodies that have keyframes say where the file's world lies, for those that have none.
+    pairs.sort(key=lambda pair: not pair[0].subject.keyframes)
     return [share(about, individual) for about, individual in pairs]
 
 
@@ -248,19 +255,30 @@ def _assigned(
 # --- motion
 
 
-def _with_motion(session: Session, made: MotionImport, arguments: argparse.Namespace) -> _Taken:
-    """The motion is written beside the session, which refers to it."""
+def _with_motion(
+    session: Session,
+    made: MotionImport,
+    first: str,
+    whole: Session,
+    arguments: argparse.Namespace,
+) -> _Taken:
+    """The motion is written beside the session, which refers to it.
+
+    first: the body beside which it lies as in the file, where it has no keyframe; empty without.
+    """
     imported_motion, file = made.found, arguments.file.name
     motion = imported_motion.fit.trajectory
     saved = save_first_motion(session, arguments.session, motion, file, made.matched)
     assert saved.subject.first_motion is not None
     written = arguments.session.parent / saved.subject.first_motion.file
     facts = _facts(made, written)
-    doubts = tuple(_doubts(session, made, arguments))
-    return _Taken(saved, True, facts, lambda: _print_motion(facts), doubts)
+    doubts = tuple(_doubts(session, made, whole, arguments))
+    return _Taken(saved, True, facts, lambda: _print_motion(facts, first), doubts)
 
 
-def _doubts(session: Session, made: MotionImport, arguments: argparse.Namespace) -> Iterator[str]:
+def _doubts(
+    session: Session, made: MotionImport, whole: Session, arguments: argparse.Namespace
+) -> Iterator[str]:
     """What a person should know of a motion."""
     imported_motion = made.found
     yield from note_words(imported_motion.notes)
@@ -271,8 +289,10 @@ def _doubts(session: Session, made: MotionImport, arguments: argparse.Namespace)
         )
         yield f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it."
     if len(session.subject.keyframes) < LEAST_TRACKED:
+        named = f" --body {session.subject.id}" if len(whole.bodies) > 1 else ""
         yield (
-            f"keypose reduce {arguments.session} makes keyframes of it, to edit and to track from."
+            f"keypose reduce {arguments.session}{named} makes keyframes of it, to edit and to "
+            "track from."
         )
 
 
@@ -301,7 +321,7 @@ def _facts(made: MotionImport, written: Path) -> dict[str, Any]:
     }
 
 
-def _print_motion(facts: dict[str, Any]) -> None:
+def _print_motion(facts: dict[str, Any], first: str) -> None:
     print(f"Frames {facts['first_frame']}–{facts['last_frame']}.")
     _print_names(facts, "joints")
     if f"{facts['scale']:.3g}" != "1":
@@ -313,6 +333,8 @@ def _print_motion(facts: dict[str, Any]) -> None:
     if facts["keyframes"]:
         frames = ", ".join(str(frame) for frame in facts["keyframes"])
         print(f"Aligned with keyframes {frames}: {facts['from_keyframes_cm']:.1f} cm from them.")
+    elif first:
+        print(f"No keyframe overlaps: it lies beside {first} as in the file.")
     else:
         print("No keyframe overlaps: the motion is placed before the camera for now.")
     if facts["not_converged"]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -56,6 +57,10 @@ MOST_UNLIKE = 3.0
 """How many times larger or smaller than the body a motion in known units may be."""
 
 
+Placed: TypeAlias = tuple[Array, Array]
+"""R (3, 3) and p (3,), metres: a place x of a file lies at R x + p."""
+
+
 @dataclass(frozen=True, eq=False)
 class ImportedMotion:
     """A recorded motion fitted to the body, and how well.
@@ -66,6 +71,8 @@ class ImportedMotion:
     keyframes_m: mean distance of its joints from theirs, NaN without any.
     miss_px: (N,) mean distance of its joints from the file's in the picture, pixels.
     notes: what of it may be wrong, and what was odd about the file.
+    placed: where the file's world lies in the session's, where its unit counts: R (3, 3), p (3,)
+        metres.
     """
 
     fit: JointFit
@@ -76,6 +83,7 @@ class ImportedMotion:
     keyframes_m: float
     miss_px: Array
     notes: tuple[Note, ...]
+    placed: Placed | None = None
 
 
 def fit_to_session(
@@ -87,6 +95,7 @@ def fit_to_session(
     names: Mapping[str, str] | None = None,
     also: Mapping[str, str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    beside: Placed | None = None,
 ) -> ImportedMotion:
     """The motion as poses of the session's body in its camera's frame, at the video's frames.
 
@@ -95,6 +104,8 @@ def fit_to_session(
     names: our joints by the file's names; the usual names when left out.
     also: places of the body by names in the file, said by a person, beside what is known.
     progress: receives how many frames of how many are fitted.
+    beside: where another individual of the file has put its world, which counts where no keyframe
+        says it.
     FormatError in one sentence where the motion does not suit the session.
     """
     skeleton = Skeleton.of(session.subject.body)
@@ -111,8 +122,8 @@ def fit_to_session(
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes}
     start, notes = 0, motion.notes
     if offset_s is None:
-        in_world = film_camera.poses_to_world(posed)
-        start = _best_start(points, motion, matches.indices, times_s, in_world)
+        keyed = film_camera.poses_to_world(posed)
+        start = _best_start(points, motion, matches.indices, times_s, keyed)
         offset_s = float(times_s[start])
         notes += (Note("starts at", (start,)),) if start else ()
     first, ps = _within(motion.at(times_s - offset_s)[:, matches.indices], file, len(motion))
@@ -125,8 +136,11 @@ def fit_to_session(
     if len(ps) == 1 and near[0] is not None:  # a pose is put where the body is about then
         reached = {first: near[0]}
     ps = ps * scale
+    in_file = ps
     if reached:
         ps = _on_keyframes(points, ps, first, film_camera.poses_to_world(reached))
+    elif beside is not None and motion.unit is not None:
+        ps = ps @ beside[0].T + beside[1]
     elif motion.world is None:
         raise FormatError(
             f"{file} does not say in which frame it is: choose its world, or set a keyframe."
@@ -135,20 +149,23 @@ def fit_to_session(
         world = world_at_rest(points, motion.world, motion.rest_m, matches.indices)
         notes += () if world == motion.world else (Note("z up at rest"),)
         ps = _before_camera(session, ps, world)
+    placed = None if motion.unit is None else rigid(in_file.reshape(-1, 3), ps.reshape(-1, 3))
     if film_camera.path is not None:
         ps = _as_seen(film_camera.path.between(first, first + len(ps) - 1), ps)
     fit = fit_motion(session.subject.body, matches.places, ps, first, near, progress)
     _require_before_camera(fit, skeleton, file)
     notes += implausible(skeleton, matches.places, bones, size, ps, fit)
     if not reached:
-        placed = session.film_camera.motion_to_world(fit.trajectory)
-        notes += lying(placed, session.world.up)
+        in_world = session.film_camera.motion_to_world(fit.trajectory)
+        notes += lying(in_world, session.world.up)
     from_keyframes = _from_keyframes(points, fit, reached)
     if from_keyframes > FAR_M:
         notes += (Note("far from keyframes", (100 * from_keyframes,)),)
     miss_px = _miss_px(session, points, fit, ps)
     aligned = tuple(frame for frame in reached if frame in posed)
-    return ImportedMotion(fit, matches, size, scale, aligned, from_keyframes, miss_px, notes)
+    return ImportedMotion(
+        fit, matches, size, scale, aligned, from_keyframes, miss_px, notes, placed
+    )
 
 
 def pose_draft(

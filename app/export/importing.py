@@ -16,7 +16,7 @@ import numpy as np
 from keypose.app.editor.documents import with_drafts
 from keypose.app.export.import_camera import brought, film_or_none, reading_of
 from keypose.app.export.import_keypoints import Draft, drafts_of, match_keypoints
-from keypose.app.export.import_motion import ImportedMotion, fit_to_session, pose_draft
+from keypose.app.export.import_motion import ImportedMotion, Placed, fit_to_session, pose_draft
 from keypose.app.orders.imports import EVERY, ImportKeypoints, ImportMotion, ImportOrder
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_motion import JointMotion
@@ -118,12 +118,16 @@ def import_motion(
     order: ImportMotion,
     times_s: Array,
     progress: Progress | None = None,
+    beside: Placed | None = None,
 ) -> MotionImport | DraftImport:
-    """Fit a motion to the session's body at the video's frames; one of one frame is a draft."""
+    """Fit a motion to the session's body at the video's frames; one of one frame is a draft.
+
+    beside: as of `fit_to_session`.
+    """
     offset_s = _offset_s(order, times_s)
     names = None if order.names is None else load_names(order.names)
     imported_motion = fit_to_session(
-        session, motion, file, times_s, offset_s, names, dict(order.places), progress
+        session, motion, file, times_s, offset_s, names, dict(order.places), progress, beside
     )
     if len(imported_motion.fit.trajectory) > 1:
         return MotionImport(imported_motion, motion.names)

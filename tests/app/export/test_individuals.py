@@ -16,16 +16,17 @@ from keypose.app.export.individuals import assigned
 from keypose.app.export.motion_files import files_of_bodies
 from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.body.body import preset
-from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.formats.keypoint_files import read_people
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 from keypose.tracker.keypoints.on_body import points_on_body
-from keypose.tracker.session import Session
+from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.sidecars import load_first_motion
+from tests.app.export.test_several_bodies import ASIDE_M as BESIDE_M
 from tests.app.export.test_several_bodies import bodies as recorded_bodies
 from tests.tracker.formats import animals, recordings
 
@@ -249,12 +250,34 @@ def test_a_motion_of_all_bodies_comes_back_to_each_by_its_name(
     heads = [line for line in said.out.splitlines() if line.endswith("):")]
     assert [head.split()[0] for head in heads] == ["ann", "bob"]
     session = load_session(path)
-    frames = {}
-    for name in ("ann", "bob"):
-        motion = load_first_motion(session.about(name), path.parent)
-        assert motion is not None
-        frames[name] = (motion.first_frame, motion.last_frame)
-    assert frames == {"ann": (0, 72), "bob": (10, 50)}
+    ann, bob = (load_first_motion(session.about(name), path.parent) for name in ASIDE_M)
+    assert ann is not None
+    assert bob is not None
+    assert (ann.first_frame, ann.last_frame) == (0, 72)
+    assert (bob.first_frame, bob.last_frame) == (10, 50)
+    assert "it lies beside ann as in the file" in said.out
+    apart = bob.ps_camera_root - ann.ps_camera_root[10:51]
+    expected = np.linalg.norm(BESIDE_M)
+    np.testing.assert_allclose(np.linalg.norm(apart, axis=1), expected, atol=1e-3)
+
+
+def test_a_body_with_keyframes_says_where_the_files_world_lies(path: Path) -> None:
+    session, motion = load_session(path), recordings.trajectory("person")
+    moved = motion.ps_camera_root + np.array(BESIDE_M)
+    poses = [Pose(motion.Rs_parent_part[frame], moved[frame]) for frame in (20, 40)]
+    keyframes = tuple(
+        Keyframe.of(Skeleton.of(BODY), pose, frame, frame / 30)
+        for pose, frame in zip(poses, (20, 40), strict=True)
+    )
+    bob = session.about("bob").subject.model_copy(update={"keyframes": keyframes})
+    save_session(session.with_body(bob), path)
+    files, _ = files_of_bodies("trc", recorded_bodies(), MotionOrder(together=True))
+    file = path.parent / "motion.trc"
+    file.write_bytes(files["motion.trc"])
+    assert imported(path, file) == 0
+    ann = load_first_motion(load_session(path).about("ann"), path.parent)
+    assert ann is not None
+    np.testing.assert_allclose(ann.ps_camera_root, motion.ps_camera_root, atol=2e-3)
 
 
 def test_more_individuals_than_bodies_are_left_out_and_fewer_leave_bodies() -> None:
