@@ -162,7 +162,7 @@ def _motion_shares(
             first, beside = next(iter(placed.items()), ("", None))
             made = import_motion(about, chosen, file, own, times_s, beside=beside)
             if isinstance(made, DraftImport):
-                return _with_drafts(about, made, arguments)
+                return _with_drafts(about, made, session, arguments)
             if made.found.placed is not None:
                 placed[about.subject.id] = made.found.placed
             return _with_motion(about, made, first, session, arguments)
@@ -211,7 +211,7 @@ def _keypoint_shares(
 
         def take() -> _Taken:
             made = import_keypoints(about, own, file, order, info)
-            return _with_drafts(about, made, arguments)
+            return _with_drafts(about, made, session, arguments)
 
         return about.subject.id, take
 
@@ -346,7 +346,7 @@ def _print_motion(facts: dict[str, Any], first: str) -> None:
 
 
 def _with_drafts(
-    session: Session, draft_import: DraftImport, arguments: argparse.Namespace
+    session: Session, draft_import: DraftImport, whole: Session, arguments: argparse.Namespace
 ) -> _Taken:
     drafts = draft_import.drafts
     made = {draft.keyframe.frame for draft in drafts}
@@ -373,7 +373,18 @@ def _with_drafts(
         bool(drafts),
         facts,
         lambda: _print_drafts(draft_import, facts, arguments),
+        tuple(_of_unshown(session, whole, arguments)) if drafts else (),
     )
+
+
+def _of_unshown(session: Session, whole: Session, arguments: argparse.Namespace) -> Iterator[str]:
+    """What becomes of drafts of a body that the page does not show."""
+    body_id = session.subject.id
+    if body_id != whole.subject.id:
+        yield (
+            f"the page shows {whole.subject.id} alone; keypose reduce {arguments.session} --body "
+            f"{body_id} --from drafts --every 1 makes keyframes of these drafts."
+        )
 
 
 def _print_drafts(

@@ -131,6 +131,7 @@ def test_individuals_become_the_bodies_of_their_names_or_those_that_are_left_in_
         first, second = second, first  # in each frame the second is listed first
     assert f"{file.name}: {first} → ann{order}, {second} → bob{order}." in notes
     assert f"Nothing in {file.name} for crate." in notes
+    assert "--body bob --from drafts --every 1 makes keyframes" in notes
     drafts = {body.id: [k.frame for k in body.drafts] for body in load_session(path).bodies}
     assert drafts == {"ann": [0, 2], "crate": [], "bob": [0, 2]}
     where = dict(zip(names, ASIDE_M.values(), strict=True))
