@@ -191,7 +191,7 @@ def test_a_name_that_no_file_can_have_is_refused(
     ("command", "reader"),
     [
         (["import", "FILE"], "import_.load_motion"),
-        (["import", "FILE", "--keypoints"], "import_.read_people"),
+        (["import", "FILE", "--keypoints"], "import_.read_each"),
         (["import", "FILE", "--camera"], "import_camera.load_camera"),
         (["evaluate", "--reference", "FILE"], "evaluate.load_reference"),
     ],
