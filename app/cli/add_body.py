@@ -10,7 +10,7 @@ from keypose.app.document.defaults import read_defaults
 from keypose.tracker.body.body import Body, load_body, preset
 from keypose.tracker.errors import FormatError
 from keypose.tracker.session import Session
-from keypose.tracker.session.bodies import TrackedBody, bodies_words, called
+from keypose.tracker.session.bodies import TrackedBody, bodies_words, id_and_name
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -27,7 +27,7 @@ def _added(session: Session, arguments: argparse.Namespace) -> Change:
     body = _body(arguments.preset)
     after, added = session.with_new_body(body, arguments.name or body.name)
     lines = (
-        f"Added {called(added)}, {_counted(len(body.parts), 'part')}, not posed yet.",
+        f"Added {id_and_name(added)}, {_counted(len(body.parts), 'part')}, not posed yet.",
         _bodies_line(after),
     )
     return Change(lambda: after, lines, {"added": added.id, **_facts(after)})
@@ -43,7 +43,7 @@ def _body(named: str | None) -> Body:
 def _removed(session: Session, arguments: argparse.Namespace) -> Change:
     gone = session.about_called(arguments.remove).subject
     after = session.without_body(gone.id)
-    lines = (f"Removed {called(gone)}: {_held(gone)}.", _bodies_line(after))
+    lines = (f"Removed {id_and_name(gone)}: {_held(gone)}.", _bodies_line(after))
     return Change(lambda: after, lines, {"removed": gone.id, **_facts(after)})
 
 

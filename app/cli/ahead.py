@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 from keypose.app.cli.exit_codes import DONE, INTERRUPTED, NOT_ALL_DONE
@@ -19,7 +19,6 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.operations.track import track_ahead
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Direction
-from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.storage.files import open_video_of, save_session
 from keypose.tracker.storage.sidecars import keypoints_of_session
 from keypose.tracker.tracking.ahead.follow import FoundAhead
@@ -36,14 +35,14 @@ _WAYS: Mapping[str, tuple[Direction, ...]] = {
 def track_ahead_and_save(
     session: Session,
     asked: Session,
-    bodies: Sequence[TrackedBody],
+    posed: str,
     arguments: argparse.Namespace,
 ) -> int:
     """Follow the body as the session was asked for, save the drafts and print how far it came; the
     exit code.
 
     session: what is saved, about the body that is followed.  asked: the same with the command
-    line's settings, for this run alone.  bodies: all that the session's file has.
+    line's settings, for this run alone.  posed: the id of the body that the file is about.
     arguments: session, ahead, out, overwrite, json.
     """
     require_place(arguments)
@@ -62,7 +61,7 @@ def track_ahead_and_save(
             )
         if any(each.to_frame != each.frame for each in followed):
             if arguments.out is None:
-                save_session(session.among(bodies), place)
+                save_session(session.about(posed), place)
             else:
                 write_copy(session.changed({"results": None}), arguments)
     _print(followed, str(place), arguments.json)

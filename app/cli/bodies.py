@@ -9,7 +9,7 @@ from typing import Any
 from keypose.app.cli.arguments import note, order_of
 from keypose.app.orders.bodies import EachBody, OneBody
 from keypose.tracker.session import Session
-from keypose.tracker.session.bodies import bodies_words, called
+from keypose.tracker.session.bodies import bodies_words, id_and_name
 
 
 def about_one(session: Session, arguments: argparse.Namespace) -> Session:
@@ -37,7 +37,7 @@ def about_each(session: Session, arguments: argparse.Namespace) -> list[Session]
 
 def heading(about: Session, of: Session) -> list[str]:
     """A line over what is printed of one body, where the session has several."""
-    return [f"{called(about.subject)}:"] if len(of.bodies) > 1 else []
+    return [f"{id_and_name(about.subject)}:"] if len(of.bodies) > 1 else []
 
 
 def by_body(facts: Mapping[str, Mapping[str, Any]], of: Session) -> Mapping[str, Any]:

@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
         taken = _every(shares, session)
         for each in taken:
-            session = each.session.among(session.bodies)
+            session = session.taking(each.session)
         if any(each.is_changed for each in taken):
             save_session(session, path)
     if arguments.json:
@@ -241,7 +241,7 @@ def _assigned(
         return [(about_one(session, arguments), individual)]
     if arguments.body:
         about = session.about_called(arguments.body)
-        called = assigned(individuals, about.bodies, lambda _: False).individual_of
+        called = assigned(individuals, (about.subject,), lambda _: False).individual_of
         own = called.get(about.subject.id)
         return [(about, chosen_individual(file, individuals, own))]
     assignment = assigned(individuals, session.bodies, is_alike)

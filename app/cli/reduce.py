@@ -32,8 +32,8 @@ def _change(whole: Session, arguments: argparse.Namespace) -> Change:
     reducible_motion, reduction = _reduced(session, arguments)
     facts = _facts(session, reducible_motion, reduction)
     return Change(
-        lambda: _with_reduction(session, reducible_motion, reduction, arguments).among(
-            whole.bodies
+        lambda: _with_reduction(session, reducible_motion, reduction, arguments).about(
+            whole.subject.id
         ),
         tuple(_lines(reducible_motion, reduction, facts)),
         {**facts, "written": None if arguments.dry_run else str(arguments.session)},

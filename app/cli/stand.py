@@ -51,7 +51,7 @@ def _stood(session: Session, arguments: argparse.Namespace) -> Change:
             refused.append(of_body(str(error), name, session) or "")
             continue
         standing[name] = each
-        whole = each.done.session.among(whole.bodies)
+        whole = each.done.session.about(whole.subject.id)
     if not standing:
         raise SessionError(" ".join(refused))
     for words in refused:
@@ -84,7 +84,7 @@ def _stood_after(session: Session, path: Path, before: Sequence[_Stood]) -> _Sto
 
 def _saved(whole: Session, path: Path, results: Mapping[str, Results]) -> Session:
     for name, each in results.items():
-        whole = save_results(whole.about(name), path, each).among(whole.bodies)
+        whole = save_results(whole.about(name), path, each).about(whole.subject.id)
     return whole
 
 

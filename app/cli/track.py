@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         about = about_one(session, arguments)
         asked = asked.about(about.subject.id)
-        return track_ahead_and_save(about, asked, session.bodies, arguments)
+        return track_ahead_and_save(about, asked, session.subject.id, arguments)
     codes = []
     for name in bodies:
         _announce(session.about(name), session, arguments.json)

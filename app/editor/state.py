@@ -270,5 +270,5 @@ class EditorState:
 @lru_cache(maxsize=32)
 def _posing(session: ById, body_id: str) -> tuple[Session, Skeleton, Pose]:
     """Cached: asked for at every frame, of every body."""
-    doc: Session = session.it.posing(body_id)
+    doc: Session = session.it.about(body_id)
     return doc, Skeleton.of(doc.subject.body), first_pose(doc)

@@ -15,6 +15,7 @@ from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_formats import FORMATS, MotionFormat
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
 from keypose.tracker.errors import FormatError, listed
+from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.formats.recording import (
     RecordedSegment,
     Recording,
@@ -23,7 +24,6 @@ from keypose.tracker.formats.recording import (
 )
 from keypose.tracker.formats.sampling import at_rate, from_zero, low_passed, moved_at_keyframes
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span
 from keypose.tracker.storage.tracks import Tracks
@@ -279,7 +279,8 @@ def saved_motion(
         for s in segments
         for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
     ]
-    films = () if folder is None else errors_in_films(session, tracks, folder)
+
+    films = _errors_in_films(session, tracks, folder)
     return Recording.of(session, tracks, stretches, times_s, timecode, films, over)
 
 
@@ -325,7 +326,8 @@ def shown_motion(edit: EditorState, folder: Path | None = None) -> Recording:
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
     tracks = Tracks.of(segment_results, edit.skeleton)
-    films = () if folder is None else errors_in_films(edit.doc, tracks, folder)
+
+    films = _errors_in_films(edit.doc, tracks, folder)
     return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode, films)
 
 
@@ -335,3 +337,14 @@ def _reached(first: int, last: int, unreached: Span | None) -> list[Span]:
         return [(first, last)]
     both = [(first, unreached[0] - 1), (unreached[1] + 1, last)]
     return [(a, b) for a, b in both if a < b]
+
+
+def _errors_in_films(
+    session: Session, tracks: Tracks, folder: Path | None
+) -> tuple[FilmErrors, ...]:
+    """What each film of a session of several says of its motion."""
+    if folder is None or len(session.views) == 1:
+        return ()
+    from keypose.tracker.operations.seen_by import errors_in_films  # loads what only this needs
+
+    return errors_in_films(session, tracks, folder)

@@ -166,7 +166,7 @@ def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results
     if tracked.view.video.repeats is not None and "video" not in update:
         repeats = {"repeats": tracked.view.video.repeats}
         update["video"] = there.view.video.model_copy(update=repeats)
-    save_session(there.changed(update).among(file.bodies), session_path)
+    save_session(there.changed(update).about(file.subject.id), session_path)
     with suppress(OSError):  # what is left over does no harm
         tidy_tracks(session_path.parent)
     return results

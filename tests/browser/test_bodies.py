@@ -44,7 +44,7 @@ def test_a_body_is_added_posed_and_named_beside_the_first_which_is_drawn_in_its_
     at: Desk,
 ) -> None:
     add(at)
-    assert posed(at) == "body-2"
+    assert posed(at) == "adult_male"
     at.page.keyboard.press("k")
     until(lambda: [len(body["keys"]) for body in at.agreed("bodies")] == [4, 1], "its keyframe")
     assert set(at.agreed("poses_beside")) == {"body"}
@@ -71,7 +71,7 @@ def test_a_click_on_a_body_in_the_picture_or_tab_poses_it(at: Desk) -> None:
     at.page.mouse.click(x, y)
     until(lambda: posed(at) == "body", "the body that was clicked on")
     at.page.keyboard.press("Tab")
-    until(lambda: posed(at) == "body-2", "the next body")
+    until(lambda: posed(at) == "adult_male", "the next body")
     assert at.agreed("keys")["frames"] == []
 
 

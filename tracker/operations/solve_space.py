@@ -143,11 +143,11 @@ def _free(
     bonds."""
     alone = {session.subject.id: replace(stretch, bonds=(), beside={})}
     for body_id, segments in stretch.beside.items():
-        there = session.posing(body_id)
+        there = session.about(body_id)
         span = segments[0].first, segments[-1].last
         alone[body_id] = SegmentRun("", tuple(segments), pins_within(there.subject.pins, span))
     return {
-        body_id: solve_space(asked(session.posing(body_id), run).problem, cancelled).motion
+        body_id: solve_space(asked(session.about(body_id), run).problem, cancelled).motion
         for body_id, run in alone.items()
     }
 

@@ -35,6 +35,7 @@ class ViewKeypoints(Plain):
         default=(), exclude_if=operator.not_
     )
 
+
 LONGEST_STEM: Final = 32
 """Letters of an id that a number may follow."""
 
@@ -98,7 +99,8 @@ class TrackedBody(Plain):
 def body_called(bodies: Sequence[TrackedBody], name: str) -> TrackedBody:
     """The body of an id, or else the only one of a name; SessionError says which there are."""
     by_id = [body for body in bodies if body.id == name]
-    matching = by_id or [body for body in bodies if body.body.name == name]
+    named = [body for body in bodies if body.called == name]
+    matching = by_id or named or [body for body in bodies if body.body.name == name]
     if len(matching) == 1:
         return matching[0]
     fault = f"{len(matching)} bodies are" if matching else "No body is"
@@ -107,12 +109,13 @@ def body_called(bodies: Sequence[TrackedBody], name: str) -> TrackedBody:
 
 def bodies_words(bodies: Sequence[TrackedBody]) -> str:
     """Such as "body (adult_male) and ball": ids, and names that differ from them."""
-    return listed([called(body) for body in bodies])
+    return listed([id_and_name(body) for body in bodies])
 
 
-def called(body: TrackedBody) -> str:
-    """Such as "body (adult_male)", or "ball" where id and name are the same."""
-    return body.id if body.id == body.body.name else f"{body.id} ({body.body.name})"
+def id_and_name(body: TrackedBody) -> str:
+    """Such as "body (Anna)", or "ball" where id and name are the same."""
+    name = body.called or body.body.name
+    return body.id if body.id == name else f"{body.id} ({name})"
 
 
 def free_id(wish: str, bodies: Sequence[TrackedBody]) -> str:

@@ -349,14 +349,8 @@ class Session(Plain):
         raise KeyError(body_id)
 
     def about(self, body_id: str) -> Self:
-        """The same about one of its bodies alone; KeyError where there is no such body."""
-        posing = self.posing(body_id)
-        bonds = tuple(bond for bond in self.bonds if set(bond.bodies) == {body_id})
-        update = {"bodies": (posing.subject,), "posed_body": None, "bonds": bonds}
-        return posing.model_copy(update=update)
-
-    def posing(self, body_id: str) -> Self:
-        """The same where another of its bodies is posed; KeyError where there is no such body."""
+        """The same about another of its bodies, which is the one that is posed; KeyError where
+        there is no such body."""
         chosen, left = self._body(body_id), self.subject
         if chosen is left:
             return self
@@ -374,15 +368,18 @@ class Session(Plain):
         posed_body = None if body_id == bodies[0].id else body_id
         return self.model_copy(update={"views": views, "bodies": bodies, "posed_body": posed_body})
 
-    def among(self, whole: Self) -> Self:
-        """This state of one of its bodies alone, in its place among all bodies of a session."""
-        there = whole.posing(self.subject.id).with_body(self.subject)
-        update = {"bodies": there.bodies, "posed_body": there.posed_body}
-        return self.model_copy(update=update).posing(whole.subject.id)
+    def taking(self, state: Self) -> Self:
+        """The same with the body that another state of it is about, its keypoints and the world as
+        they are there."""
+        there = self.about(state.subject.id).with_body(state.subject)
+        keypoints = {view.id: dict(_keypoints_in(view)) for view in state.views}
+        views = tuple(view.model_copy(update=keypoints.get(view.id, {})) for view in there.views)
+        taken = there.model_copy(update={"views": views, "world": state.world})
+        return taken.about(self.subject.id)
 
     def about_called(self, name: str) -> Self:
-        """The same about the body of an id, or the only one of a name, alone; SessionError says
-        which there are."""
+        """The same about the body of an id, or the only one of a name; SessionError says which
+        there are."""
         return self.about(body_called(self.bodies, name).id)
 
     def alone(self, view_id: str) -> Self:
@@ -403,20 +400,29 @@ class Session(Plain):
         """The same with one body more, not posed, whose id is as the wish, or that and a number;
         SessionError where there are as many as a session may have."""
         if len(self.bodies) >= MOST_BODIES:
-            raise SessionError(f"The session has {MOST_BODIES} bodies: more it cannot have.")
+            raise SessionError(
+                f"The session has {MOST_BODIES} bodies already, the most that it can."
+            )
         added = TrackedBody(id=free_id(wish, self.bodies), body=body)
         return self.model_copy(update={"bodies": (*self.bodies, added)}), added
 
     def without_body(self, body_id: str) -> Self:
-        """The same without one of its bodies, and its parts that are left out of tracking;
-        SessionError where it has no other."""
-        bodies = tuple(body for body in self.bodies if body.id != body_id)
-        if not bodies:
+        """The same without one of its bodies, its bonds, and its parts that are left out of
+        tracking; where it is posed another one is. SessionError where it has no other."""
+        rest = [body.id for body in self.bodies if body.id != body_id]
+        if not rest:
             raise SessionError("A session needs a body: add another before you remove its last.")
+        session = self.about(rest[0]) if self.subject.id == body_id else self
+        bodies = tuple(body for body in session.bodies if body.id != body_id)
         names = {name for each in bodies for name in each.body.names}
         left_out = tuple(name for name in self.settings.left_out if name in names)
-        settings = self.settings.model_copy(update={"left_out": left_out})
-        return self.model_copy(update={"bodies": bodies, "settings": settings})
+        update = {
+            "bodies": bodies,
+            "bonds": tuple(bond for bond in self.bonds if body_id not in bond.bodies),
+            "settings": self.settings.model_copy(update={"left_out": left_out}),
+            "posed_body": None if session.subject.id == bodies[0].id else session.subject.id,
+        }
+        return session.model_copy(update=update)
 
     def with_body(self, subject: TrackedBody) -> Self:
         """The same with another state of one of its bodies, known by its id."""

@@ -64,7 +64,7 @@ def changes(before: Session, after: Session) -> Changes:
     """The changes that turn `before` into `after`."""
     changed_fields: Changes = {}
     if after.subject.id != before.subject.id and after.subject.id in _ids(before):
-        before = before.posing(after.subject.id)
+        before = before.about(after.subject.id)
         changed_fields[POSED] = after.subject.id
     changed_fields |= _changed_bodies(before, after)
     for name in FIELDS:
@@ -185,7 +185,7 @@ def _with_bodies(session: Session, change: Any) -> Session:
 def _posing(session: Session, body_id: Any) -> Session:
     if body_id not in _ids(session):
         raise ValueError("the id of a body that is not there")
-    return session.posing(body_id)
+    return session.about(body_id)
 
 
 def _ids(session: Session) -> list[str]:

@@ -36,7 +36,7 @@ from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import answers_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.review.segments import JudgedSegments
-from keypose.tracker.session.bodies import called
+from keypose.tracker.session.bodies import id_and_name
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.results import Span, State
 from keypose.tracker.video import Video
@@ -74,7 +74,9 @@ def report_html(session: Session, session_path: Path, video: Video | None = None
     parts = [
         part
         for subject in subjects
-        for part in _sections(subject, video, called(subject.session.subject) if several else "")
+        for part in _sections(
+            subject, video, id_and_name(subject.session.subject) if several else ""
+        )
     ]
     body = joined([*parts, notes_section(subjects[0], video)] if several else parts)
     return html_page(f"{subjects[0].name} – Keypose report", body)

@@ -14,7 +14,6 @@ from keypose.app.store.sections.json_value import Json
 from keypose.app.words.films import film_words
 from keypose.tracker.body.trajectory import runs
 from keypose.tracker.keypoints.on_body import is_persons
-from keypose.tracker.operations.seen_by import seen_by
 from keypose.tracker.review.places import review_of
 from keypose.tracker.session.between_views import T_film_first, frame_in, lens_in
 from keypose.tracker.session.schema import Session
@@ -70,6 +69,8 @@ def films_seen(app_state: AppState) -> Json:
     )
     if motion is None or not of_films or not is_persons(body):
         return None
+    from keypose.tracker.operations.seen_by import seen_by  # loads scipy
+
     by_films = seen_by(doc, of_films, motion.frames, motion.Ts_world_part)
     index = {name: number for number, name in enumerate(body.names)}
     joints = by_films.of_part(index.get(edit.selected or ""))

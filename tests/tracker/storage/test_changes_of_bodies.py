@@ -25,7 +25,7 @@ def of_two() -> Session:
 
 def _another(doc: Session) -> Session:
     added = TrackedBody(id="body-3", body=preset("cylinder"))
-    return doc.model_copy(update={"bodies": (*doc.bodies, added)}).posing("body-3")
+    return doc.model_copy(update={"bodies": (*doc.bodies, added)}).about("body-3")
 
 
 def _called(doc: Session) -> Session:
@@ -33,11 +33,11 @@ def _called(doc: Session) -> Session:
 
 
 JOURNALED = {
-    "the other one is posed": lambda doc: doc.posing("body-2"),
+    "the other one is posed": lambda doc: doc.about("body-2"),
     "added, and posed": _another,
     "removed": lambda doc: doc.model_copy(update={"bodies": doc.bodies[:1]}),
     "one beside it is called": _called,
-    "another one is posed, and edited": lambda doc: doc.posing("body-2").changed(
+    "another one is posed, and edited": lambda doc: doc.about("body-2").changed(
         {"called": "Anna", "keypoint_corrections": (CORRECTION,)}
     ),
     "one is called, and its neighbour has a keyframe less": lambda doc: _called(doc).changed(
@@ -57,19 +57,11 @@ def test_what_the_journal_holds_of_an_edit_of_bodies_makes_it_again_both_ways(na
 
 def test_to_pose_another_body_and_back_leaves_a_session_as_it_was() -> None:
     doc = of_two()
-    there = doc.posing("body-2")
+    there = doc.about("body-2")
     assert there.subject.id == "body-2"
     assert there.view.keypoint_corrections == ()
-    assert there.posing("body") == doc
+    assert there.about("body") == doc
     assert list(changes(doc, there)) == ["posed"]
-
-
-def test_a_body_alone_has_its_own_keypoints_and_returns_among_all() -> None:
-    doc = of_two().posing("body-2")
-    alone = doc.about("body")
-    assert alone.view.keypoint_corrections == (CORRECTION,)
-    edited = alone.changed({"called": "Ben"})
-    assert edited.among(doc) == doc.with_body(doc.bodies[0].model_copy(update={"called": "Ben"}))
 
 
 BAD = {"set": [], "ids": ["body-9"], "posed": "body-9"}

@@ -85,7 +85,7 @@ class Results:
         """What there is to solve of the body that is posed, beside those that bonds join it to."""
         own = session.subject.id
         joined = {each for bond in session.bonds if own in bond.bodies for each in bond.bodies}
-        beside = {each: self._as_tracked(session.posing(each)) for each in joined - {own}}
+        beside = {each: self._as_tracked(session.about(each)) for each in joined - {own}}
         return stretches(session, self._as_tracked(session), beside)
 
     def _as_tracked(self, session: Session) -> dict[Span, SegmentResult]:

@@ -67,7 +67,7 @@ def load_all_results(session: Session, session_path: Path) -> tuple[Results, str
     problem = ""
     for body in session.bodies:
         try:
-            results = load_results(session.posing(body.id), session_path)
+            results = load_results(session.about(body.id), session_path)
         except SessionError as error:
             problem = problem or str(error)
         else:
@@ -79,7 +79,7 @@ def load_all_results(session: Session, session_path: Path) -> tuple[Results, str
 def save_all_results(session: Session, session_path: Path, results: Results) -> Session:
     """The same of all bodies."""
     for body in session.bodies:
-        saved = save_results(session.posing(body.id), session_path, results)
+        saved = save_results(session.about(body.id), session_path, results)
         kept = body.model_copy(update={"results": saved.subject.results})
         session = session.with_body(kept)
     return session
