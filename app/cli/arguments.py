@@ -28,7 +28,7 @@ COMMANDS: Final[Mapping[str, tuple[str, str]]] = {
         "browser: pose keyframes over the picture, track, correct, export",
     ),
     "run": ("motion", "Turn films into motion without a hand: draft, track, stand, export"),
-    "draft": ("motion", "Draft a pose for every frame, of the person in a box or found"),
+    "draft": ("motion", "Draft a pose for every frame, of the people in boxes or the one found"),
     "add-film": ("motion", "Add another film of the same motion: its clock and camera are found"),
     "add-body": ("motion", "Add a body to a session, or remove one"),
     "track": ("motion", "Track the motion between the keyframes"),
@@ -318,13 +318,17 @@ def _how(option: Option) -> dict[str, Any]:
 
 
 class Once(argparse.Action):
-    """Stores a value and refuses a second one."""
+    """Stores a value and refuses a second one, but of a command that takes `more_` of it."""
 
     def __call__(self, *parser_arguments: Any, **_: Any) -> None:
         _parser, namespace, value, *_rest = parser_arguments
-        if getattr(namespace, self.dest) not in (None, self.default):
+        more = f"more_{self.dest}"
+        if getattr(namespace, self.dest) in (None, self.default):
+            setattr(namespace, self.dest, value)
+        elif hasattr(namespace, more):
+            setattr(namespace, more, (*getattr(namespace, more), value))
+        else:
             raise argparse.ArgumentError(self, "is given twice")
-        setattr(namespace, self.dest, value)
 
 
 def _help(order: type, name: str, option: Option) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,15 +15,20 @@ from keypose.app.cli.exit_codes import DONE, INTERRUPTED
 from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.document.folder_lock import locked
-from keypose.app.editor.drafted import flipped_drafts, proposed_frames, with_accepted
-from keypose.app.jobs.draft import Drafted, drafted
+from keypose.app.editor.drafted import (
+    flipped_drafts,
+    proposed_frames,
+    require_draftable,
+    with_accepted,
+)
+from keypose.app.jobs.draft import Drafted, drafted_people
 from keypose.app.jobs.film_session import (
     WhoIsDrafted,
     begun_session,
     frames_to_draft,
     opened_film,
     who_is_drafted,
-    with_draft_kept,
+    with_people_kept,
 )
 from keypose.app.jobs.find_up import with_up_unseen
 from keypose.app.jobs.rerun import with_repeats
@@ -57,28 +62,44 @@ def run(arguments: argparse.Namespace) -> int:
         session = begun_session(film, video, place)
         frames = frames_to_draft(film.order, session)
         try:
-            who = _who(film, session, video, arguments.json)
+            people = _people(film, session, video, arguments)
             session, up = with_up_unseen(session, video)
             session = with_repeats(session, video, *frames)
-            _say_how_long(session, frames, video.info.fps, arguments.json)
-            drafts = _drafted(session, video, who, frames, arguments.json)
+            _say_how_long(session, frames, video.info.fps, len(people), arguments.json)
+            drafts = _drafted(session, video, people, frames, arguments.json)
         except Cancelled:
             print("Interrupted: nothing was written.", file=sys.stderr)
             return INTERRUPTED
         make_folder(arguments.out, error=SessionError)
         with locked(place, "close it there, or choose another --out"):
-            session = with_draft_kept(session, video, place, who, frames, drafts)
-            accepted = proposed_frames(session) if arguments.accept else ()
-            _write(with_accepted(session, accepted), place, arguments.overwrite)
+            session = with_people_kept(session, video, place, people, frames, drafts)
+            accepted = {body.id: _proposed(session, body.id) for body in session.bodies}
+            if arguments.accept:
+                session = _with_accepted(session, accepted)
+            _write(session, place, arguments.overwrite)
     if not arguments.json:
         print(up, end="\n" if up else "")
-    _print(drafts.draft, frames, drafts.detected or frames, session, place, accepted, arguments)
-    if drafts.detected is None:
+    if not arguments.accept:
+        accepted = dict.fromkeys(accepted, ())
+    _print(drafts, frames, session, place, accepted, arguments.json)
+    detected = drafts[0].detected
+    if detected is None:
         return DONE
     words = "the same command with --overwrite goes on from there"
-    first, last = drafts.detected
-    print(f"Interrupted: frames {first}–{last} are drafted; {words}.", file=sys.stderr)
+    print(f"Interrupted: frames {detected[0]}–{detected[1]} are drafted; {words}.", file=sys.stderr)
     return INTERRUPTED
+
+
+def _proposed(session: Session, body_id: str) -> tuple[int, ...]:
+    return proposed_frames(session.about(body_id))
+
+
+def _with_accepted(session: Session, accepted: Mapping[str, Sequence[int]]) -> Session:
+    """The session with the proposed drafts of each body as its keyframes."""
+    posed = session.subject.id
+    for body_id, frames in accepted.items():
+        session = with_accepted(session.about(body_id), frames)
+    return session.about(posed)
 
 
 def _accept_drafts(arguments: argparse.Namespace) -> int:
@@ -88,20 +109,52 @@ def _accept_drafts(arguments: argparse.Namespace) -> int:
     path = session_file(str(arguments.video))
     with locked(path, "close it there first"):
         session = load_session(path)
-        accepted, flipped = proposed_frames(session), flipped_drafts(session)
-        if not accepted:
+        accepted = {body.id: _proposed(session, body.id) for body in session.bodies}
+        flipped = {body.id: flipped_drafts(session.about(body.id)) for body in session.bodies}
+        if not any(accepted.values()):
             raise SessionError(f"{path.name} has no drafts to accept: draft its film first.")
-        save_session(with_accepted(session, accepted), path)
+        save_session(_with_accepted(session, accepted), path)
     if arguments.json:
-        wrong = [run.model_dump() for run in flipped]
-        finished = {"event": "finished", "accepted": list(accepted), "flipped": wrong}
-        print_json({**finished, "session": str(path)})
+        facts = {
+            body_id: {
+                "accepted": list(frames),
+                "flipped": [run.model_dump() for run in flipped[body_id]],
+            }
+            for body_id, frames in accepted.items()
+        }
+        print_json({"event": "finished", **_of_bodies(facts), "session": str(path)})
         return DONE
-    print(accepted_words(accepted))
-    if flipped:
-        print(flipped_words(flipped))
+    for body_id, frames in accepted.items():
+        _print_body(body_id, len(accepted))
+        print(accepted_words(frames))
+        if flipped[body_id]:
+            print(flipped_words(flipped[body_id]))
     print(f"Written: {path}")
     return DONE
+
+
+def _of_bodies(facts: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Facts of the only body, or of each of several by its id."""
+    if len(facts) == 1:
+        return dict(next(iter(facts.values())))
+    return {"bodies": [{"body": body_id, **own} for body_id, own in facts.items()]}
+
+
+def _print_body(body_id: str, count: int) -> None:
+    """Say which of several bodies the next lines are about."""
+    if count > 1:
+        print(f"{body_id}:")
+
+
+def _people(
+    film: FilmToDraft, session: Session, video: Video, arguments: argparse.Namespace
+) -> list[WhoIsDrafted]:
+    """Who are drafted: one for each box, or the person who is found."""
+    who = _who(film, session, video, arguments.json)
+    frames = frames_to_draft(film.order, session)
+    for box in arguments.more_box:
+        require_draftable(session, who.frame, box, frames)
+    return [who, *(WhoIsDrafted(who.frame, box) for box in arguments.more_box)]
 
 
 def _who(film: FilmToDraft, session: Session, video: Video, as_json: bool) -> WhoIsDrafted:
@@ -119,13 +172,15 @@ def _who(film: FilmToDraft, session: Session, video: Video, as_json: bool) -> Wh
     return who
 
 
-def _say_how_long(session: Session, frames: tuple[int, int], fps: float, as_json: bool) -> None:
+def _say_how_long(
+    session: Session, frames: tuple[int, int], fps: float, people: int, as_json: bool
+) -> None:
     """Say what a draft will take, where it takes long: as known of this computer, else measured."""
     if as_json:
         return
     count = frames[1] - frames[0] + 1
     network = session.settings.network_used
-    seconds = count * known_or_measured(network)
+    seconds = people * count * known_or_measured(network)
     if not needs_masks(session) and find_model(network).skips_frames_at(fps):
         seconds /= 2
     if words := about_words(seconds):
@@ -133,15 +188,19 @@ def _say_how_long(session: Session, frames: tuple[int, int], fps: float, as_json
 
 
 def _drafted(
-    session: Session, video: Video, who: WhoIsDrafted, frames: tuple[int, int], as_json: bool
-) -> Drafted:
+    session: Session,
+    video: Video,
+    people: Sequence[WhoIsDrafted],
+    frames: tuple[int, int],
+    as_json: bool,
+) -> list[Drafted]:
     stop = threading.Event()
     with set_when_interrupted(stop), _reporter(as_json) as report:
-        return drafted(
+        return drafted_people(
             session,
             video,
-            who.frame,
-            who.box,
+            people[0].frame,
+            [who.box for who in people],
             frames,
             proportions=True,
             report=report,
@@ -191,27 +250,46 @@ def _bar() -> Iterator[Callable[[DraftProgress], None]]:
 
 
 def _print(
-    draft: ClipDraft,
+    drafts: Sequence[Drafted],
     frames: tuple[int, int],
-    detected: tuple[int, int],
     session: Session,
     place: Path,
-    accepted: Sequence[int],
-    arguments: argparse.Namespace,
+    accepted: Mapping[str, Sequence[int]],
+    as_json: bool,
 ) -> None:
-    assert session.view.keypoints is not None
-    keypoints = place.with_name(session.view.keypoints.file)
-    if arguments.json:
-        facts = _facts(draft, frames, detected)
-        written = {"session": str(place), "keypoints": str(keypoints)}
+    """What was drafted of each body, and the files."""
+    files = [_keypoints_place(session.about(body.id), place) for body in session.bodies]
+    draft_by_body = {body.id: own for body, own in zip(session.bodies, drafts, strict=True)}
+    if as_json:
         world = session.world
         up = {
             "up_world": world.up_world,
             "up_from": list(world.up_from),
             "up_sigma_rad": world.up_sigma_rad,
         }
-        print_json({**facts, **up, "accepted": list(accepted), **written})
+        facts = {
+            body_id: {
+                **_facts(own.draft, frames, own.detected or frames),
+                "accepted": list(accepted[body_id]),
+                "keypoints": str(keypoints),
+            }
+            for (body_id, own), keypoints in zip(draft_by_body.items(), files, strict=True)
+        }
+        print_json({"event": "finished", **_of_bodies(facts), **up, "session": str(place)})
         return
+    for body_id, own in draft_by_body.items():
+        _print_body(body_id, len(drafts))
+        _print_draft(own.draft, frames, accepted[body_id])
+    for path in (*files, place):
+        print(f"Written: {path}")
+
+
+def _keypoints_place(session: Session, place: Path) -> Path:
+    assert session.view.keypoints is not None
+    return place.with_name(session.view.keypoints.file)
+
+
+def _print_draft(draft: ClipDraft, frames: tuple[int, int], accepted: Sequence[int]) -> None:
     count = frames[1] - frames[0] + 1
     print(f"Drafts at {len(draft.poses)} of {count} frames.")
     if accepted:
@@ -222,8 +300,6 @@ def _print(
         print(f"  frame {proposal.frame}: {draft_reason(proposal.reason, proposal.parts)}")
     if draft.flipped:
         print(flipped_words(draft.flipped))
-    for path in (keypoints, place):
-        print(f"Written: {path}")
 
 
 def _facts(draft: ClipDraft, frames: tuple[int, int], detected: tuple[int, int]) -> dict[str, Any]:
@@ -236,7 +312,6 @@ def _facts(draft: ClipDraft, frames: tuple[int, int], detected: tuple[int, int])
         {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals
     ]
     return {
-        "event": "finished",
         "drafts": len(draft.poses),
         "missing": missing,
         "left": sorted(left),

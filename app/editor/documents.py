@@ -171,11 +171,10 @@ def seen_as_before(before: Session, after: Session) -> Session:
     if np.allclose(focal, 1.0, rtol=SAME_FOCAL, atol=0.0):
         return after
     for body in after.bodies:
-        alone = after.about(body.id)
-        moved = with_poses(alone, lambda each: at_new_focal(each, float(focal[each.frame])))
-        require_all_before_camera(moved, Skeleton.of(body.body))
-        after = after.with_body(moved.subject)
-    return after
+        about = after.about(body.id)
+        after = with_poses(about, lambda each: at_new_focal(each, float(focal[each.frame])))
+        require_all_before_camera(after, Skeleton.of(body.body))
+    return after.about(before.subject.id)
 
 
 def _focal_lengths(doc: Session) -> Array:

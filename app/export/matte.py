@@ -115,24 +115,41 @@ def matte_of(
         looks = now.expected
         progress(now.done, now.expected + count)
 
-    reached = min(first, *seeds), max(last, *seeds)
     skeleton = Skeleton.of(session.subject.body)
+    people = [(skeleton, seeds), *_others(session, first, last)]
+    posed = [frame for _, own_seeds in people for frame in own_seeds]
+    reached = min(first, *posed), max(last, *posed)
     detected = detected_keypoints(session, video)
-    keypoints = detected.follow(reached, skeleton, seeds, looked)
-    if keypoints is None or all(keypoints.mask(n) is None for n in range(first, last + 1)):
+    followed = detected.follow_people(reached, people, looked) if len(people) > 1 else None
+    if followed is None:
+        alone = detected.follow(reached, skeleton, seeds, looked)
+        followed = [] if alone is None else [alone]
+    if not followed or all(followed[0].mask(n) is None for n in range(first, last + 1)):
         raise SessionError(
             f"No person was found in frames {first} to {last}, starting from the poses at "
             f"{listed([str(n) for n in seeds])}: pose the body over a person who is seen well."
         )
+    keypoints = followed[0]
 
     def looked_again(done: int, expected: int) -> None:
         progress(looks + done, looks + expected + count)
 
     changes = _drafted_changes(session, reached)
     if changes is None:
-        changes = detected.changes(keypoints, list(seeds), looked_again)
+        changes = detected.changes(followed, posed, looked_again)[0]
     own = _own(changes, list(seeds), reached)
     return Matte(session, video, order, first, last, keypoints, own, progress, looks)
+
+
+def _others(session: Session, first: int, last: int) -> list[tuple[Skeleton, dict[int, Pose]]]:
+    """The other people of a session, as they are posed: nobody is taken for one of them."""
+    people = []
+    for body in session.bodies:
+        if body.id == session.subject.id or not is_persons(body.body):
+            continue
+        if posed := _posed(session.about(body.id), first, last):
+            people.append((Skeleton.of(body.body), posed))
+    return people
 
 
 def _drafted_changes(session: Session, frames: tuple[int, int]) -> tuple[int, ...] | None:
@@ -182,17 +199,23 @@ def _require_person(session: Session, name: str) -> None:
 
 
 def _seeds(session: Session, name: str, first: int, last: int) -> dict[int, Pose]:
-    """The poses from which the person is looked for, by frame: those within the frames and the
-    nearest on either side."""
+    """The poses from which the person is looked for, by frame."""
     _require_person(session, name)
-    said = () if session.view.keypoints is None else session.view.keypoints.seeds
-    drafts = [draft for draft in session.subject.drafts if draft.frame in said]
-    posed = list(session.subject.keyframes) or drafts or list(session.subject.drafts[:1])
+    posed = _posed(session, first, last)
     if not posed:
         raise SessionError(
             f"{name} does not say where the person is: set a keyframe, or draft the poses from a "
             "box around the person."
         )
+    return posed
+
+
+def _posed(session: Session, first: int, last: int) -> dict[int, Pose]:
+    """The poses that say where the person is: those within the frames and the nearest on either
+    side."""
+    said = () if session.view.keypoints is None else session.view.keypoints.seeds
+    drafts = [draft for draft in session.subject.drafts if draft.frame in said]
+    posed = list(session.subject.keyframes) or drafts or list(session.subject.drafts[:1])
     before = [k for k in posed if k.frame <= first][-1:]
     after = [k for k in posed if k.frame >= last][:1]
     within = [k for k in posed if first < k.frame < last]

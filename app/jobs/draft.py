@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -139,9 +139,35 @@ def drafted(
     Cancelled where it was left; but where enough keypoints were detected by then these frames
     are posed, and reported on the way.
     """
+    (draft,) = drafted_people(
+        session,
+        video,
+        at,
+        [box],
+        frames,
+        proportions=proportions,
+        report=report,
+        cancelled=cancelled,
+    )
+    return draft
+
+
+def drafted_people(
+    session: Session,
+    video: Video,
+    at: int,
+    boxes: Sequence[Box],
+    frames: tuple[int, int],
+    *,
+    proportions: bool,
+    report: Callable[[DraftProgress], None],
+    cancelled: Callable[[], bool] = never,
+) -> list[Drafted]:
+    """The same of several people in boxes on one frame, in their order; of more than one Cancelled
+    wherever it was left."""
     from keypose.tracker.fitting.draft import (  # loads what only this needs
-        draft_clip,
         draft_from_keypoints,
+        draft_people,
     )
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import find_model
@@ -165,11 +191,11 @@ def drafted(
     half = not needs_masks(session) and model.skips_frames_at(video.info.fps)
     lifter = lifter_for_drafts(session, lambda: video.info.times_s)
     try:
-        clip_draft = draft_clip(
+        clip_drafts = draft_people(
             picture,
             frames,
             at,
-            box,
+            boxes,
             camera,
             session.subject.body,
             network,
@@ -185,10 +211,10 @@ def drafted(
         )
     except Cancelled:
         part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
-        if part is None:
+        if part is None or len(boxes) > 1:
             raise
         detected.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
-        seed = Seed.of_box(at, box, camera.width, camera.height)
+        seed = Seed.of_box(at, boxes[0], camera.width, camera.height)
         keypoints = detect(picture, part, [seed], network, film=film, kept=kept, every_second=half)
         clip_draft = draft_from_keypoints(
             keypoints,
@@ -200,9 +226,10 @@ def drafted(
             lifter=lifter,
             report=DraftReporter(report, never),
         )
-        return Drafted(_outlined(clip_draft, session), network.fingerprint, part)
-    detected.keep_pace(name, time.monotonic() - began)
-    return Drafted(_outlined(clip_draft, session), network.fingerprint)
+        return [Drafted(_outlined(clip_draft, session), network.fingerprint, part)]
+    if len(boxes) == 1:
+        detected.keep_pace(name, time.monotonic() - began)
+    return [Drafted(_outlined(each, session), network.fingerprint) for each in clip_drafts]
 
 
 def _outlined(draft: ClipDraft, session: Session) -> ClipDraft:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -133,17 +133,31 @@ def people_seen(
 
 
 def with_draft_kept(
-    session: Session, video: Video, place: Path, who: WhoIsDrafted, frames: Span, drafts: Drafted
+    session: Session,
+    video: Video,
+    place: Path,
+    who: WhoIsDrafted,
+    frames: Span,
+    drafts: Drafted,
+    *,
+    together: bool = False,
 ) -> Session:
     """The session with a draft of every frame, whose keypoints are written beside its file.
 
-    place: of the session's file, which is not written; its folder is there.
+    place: of the session's file, which is not written; its folder is there.  together: whether the
+    people around were followed as well.
     """
     draft, network, detected = drafts
     asked = range(frames[0], frames[1] + 1)
     only, rest = taken_and_left(asked, detected, who.frame, who.box)
     session = save_keypoints(
-        session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(who.frame,)
+        session,
+        place,
+        draft.keypoints,
+        KEYPOINT_SOURCE,
+        network=network,
+        seeds=(who.frame,),
+        together=together,
     )
     times_s = session.evidence.times_s(video.info.times_s)
     return drafted_session(
@@ -159,3 +173,25 @@ def with_draft_kept(
         rest,
         draft.flipped,
     )
+
+
+def with_people_kept(
+    session: Session,
+    video: Video,
+    place: Path,
+    people: Sequence[WhoIsDrafted],
+    frames: Span,
+    drafts: Sequence[Drafted],
+) -> Session:
+    """The session with a body for each of several people, each as of `with_draft_kept`."""
+    first = session.subject
+    more = (
+        first.model_copy(update={"id": f"{first.id}-{number}"})
+        for number in range(2, len(people) + 1)
+    )
+    session = session.model_copy(update={"bodies": (first, *more)})
+    together = len(people) > 1
+    for body, who, own in zip(session.bodies, people, drafts, strict=True):
+        about = session.about(body.id)
+        session = with_draft_kept(about, video, place, who, frames, own, together=together)
+    return session.about(first.id)

@@ -54,7 +54,7 @@ def person_changes(
             picture, done = frame(number), done + 1
             before = keypoints.uv[number - keypoints.first_frame]
             if again is None:
-                again = Rows.begun(_region(before), network, picture, FIRST_LOOKS)
+                again = Rows.begun(region_around(before), network, picture, FIRST_LOOKS)
                 continue
             again.add(network, picture)
             if _are_apart(before, again):
@@ -66,7 +66,7 @@ def person_changes(
 def _are_apart(before: Array, again: Rows) -> bool:
     """Whether a body that is followed again is elsewhere in its newest frame."""
     uv = again.stretch().uv[-1]
-    return bool(np.isfinite(uv).all()) and _distance(before, uv) > APART
+    return bool(np.isfinite(uv).all()) and trunk_distance(before, uv) > APART
 
 
 def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
@@ -79,18 +79,18 @@ def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
             continue
         if numbers and abs(number - numbers[-1]) < SELDOM:
             last = keypoints.uv[numbers[-1] - keypoints.first_frame]
-            if _distance(last, uv) < MOVED:
+            if trunk_distance(last, uv) < MOVED:
                 continue
         numbers.append(number)
     return numbers[::-1]
 
 
-def _distance(first: Array, second: Array) -> float:
+def trunk_distance(first: Array, second: Array) -> float:
     """The distance of two trunks, of keypoints (33, 2), in sides of the region."""
-    side = np.sqrt(_region(first).side * _region(second).side)
+    side = np.sqrt(region_around(first).side * region_around(second).side)
     return float(np.linalg.norm(first[_TRUNK].mean(axis=0) - second[_TRUNK].mean(axis=0)) / side)
 
 
-def _region(uv: Array) -> Region:
+def region_around(uv: Array) -> Region:
     """Around keypoints (33, 2)."""
     return Region.of_joints(uv, uv[_TRUNK[:2]].mean(axis=0) - uv[_TRUNK[2:]].mean(axis=0))

@@ -229,18 +229,39 @@ def detect(
     Where nobody is found, and in frames that cannot be decoded, keypoints are NaN and unseen.
     KeypointError when no seed's region shows anybody.
     """
+    ordered = in_order(seeds, frames)
+    count = frames[1] - frames[0] + 1
+    work = _DetectionRun(frame, network, report, film, kept, every_second, expected=count)
+    starts = [start for start in map(work.start, ordered) if start is not None]
+    if not starts:
+        raise nobody(ordered)
+    keypoints = along_chains(work, starts, frames)
+    return with_means(keypoints) if every_second else keypoints
+
+
+def in_order(seeds: Sequence[Seed], frames: tuple[int, int]) -> list[Seed]:
+    """Seeds by their frames; ValueError unless these are different ones among those asked for."""
     first, last = frames
     ordered = sorted(seeds, key=lambda seed: seed.frame)
     numbers = [seed.frame for seed in ordered]
     inside = bool(numbers) and first <= numbers[0] <= numbers[-1] <= last
     if not inside or len(set(numbers)) < len(numbers):
         raise ValueError("seeds are of different frames among those asked for")
-    work = _DetectionRun(
-        frame, network, report, film, kept, every_second, expected=last - first + 1
-    )
-    starts = [start for start in map(work.start, ordered) if start is not None]
-    if not starts:
-        raise _nobody(numbers)
+    return ordered
+
+
+class Chains(Protocol):
+    """What follows a body from where it was seen. expected: as of `Progress`."""
+
+    expected: int
+
+    def chain(self, start: Start, direction: int, last: int) -> DetectionWindow:
+        """All frames after the start up to the last, in this direction."""
+
+
+def along_chains(work: Chains, starts: Sequence[Start], frames: tuple[int, int]) -> Keypoints:
+    """The keypoints of all frames from the first to the last, from one start or more, in order."""
+    first, last = frames
     frames_found = _Found(first, last)
     frames_found.put(starts[0].frame, -1, work.chain(starts[0], -1, first))
     for start, next_start in pairwise(starts):
@@ -248,30 +269,31 @@ def detect(
     frames_found.put(starts[-1].frame, 1, work.chain(starts[-1], 1, last))
     for start in starts:
         frames_found.put(start.frame - 1, 1, start.seen)
-    return _with_means(frames_found.keypoints()) if every_second else frames_found.keypoints()
+    return frames_found.keypoints()
 
 
-def _is_between(frame: int) -> bool:
+def is_between(frame: int) -> bool:
     """Whether a frame is one of those between the ones that are looked at."""
     return frame % 2 == 1
 
 
-def _with_means(keypoints: Keypoints) -> Keypoints:
+def with_means(keypoints: Keypoints) -> Keypoints:
     """Put the mean of both neighbours, where they are known, into frames between."""
     uv, visibility, p_hips = keypoints.uv.copy(), keypoints.visibility.copy(), keypoints.p_hips
     assert p_hips is not None
     p_hips = p_hips.copy()
     for row in range(1, len(uv) - 1):
         around = [row - 1, row + 1]
-        is_open = _is_between(keypoints.first_frame + row) and np.isnan(uv[row]).all()
+        is_open = is_between(keypoints.first_frame + row) and np.isnan(uv[row]).all()
         if is_open and np.isfinite(uv[around]).all():
             for values in (uv, visibility, p_hips):
                 values[row] = values[around].mean(axis=0)
     return replace(keypoints, uv=uv, visibility=visibility, p_hips=p_hips)
 
 
-def _nobody(frames: Sequence[int]) -> KeypointError:
-    where = f"frame{'s' if len(frames) > 1 else ''} {listed([str(f) for f in frames])}"
+def nobody(seeds: Sequence[Seed]) -> KeypointError:
+    """What is said where no seed's region shows anybody."""
+    where = f"frame{'s' if len(seeds) > 1 else ''} {listed([str(seed.frame) for seed in seeds])}"
     return KeypointError(
         f"No person was found at {where}: draw the box around the whole body, in a frame that "
         "shows it well."
@@ -279,7 +301,7 @@ def _nobody(frames: Sequence[int]) -> KeypointError:
 
 
 @dataclass(frozen=True, eq=False)
-class _Start:
+class Start:
     """A seed where somebody was seen; one frame, its region mended."""
 
     frame: int
@@ -291,7 +313,7 @@ class _Start:
 
 
 def _both_ways(
-    work: _DetectionRun, start: _Start, next_start: _Start
+    work: Chains, start: Start, next_start: Start
 ) -> tuple[DetectionWindow, DetectionWindow | None, int]:
     """Forward from one start to the frame of the other; backward, where that is needed, as far as
     the frame of the first, ordered by frame; and the step from which backward is taken."""
@@ -303,7 +325,7 @@ def _both_ways(
     return forward, backward, _change(forward, backward)
 
 
-def _is_near(forward: DetectionWindow, start: _Start) -> bool:
+def _is_near(forward: DetectionWindow, start: Start) -> bool:
     return forward.region(-1).distance(start.region) < CLEARLY_BESIDE
 
 
@@ -377,7 +399,7 @@ class _DetectionRun:
     expected: int
     done: int = 0
 
-    def start(self, seed: Seed) -> _Start | None:
+    def start(self, seed: Seed) -> Start | None:
         """The seed's frame, looked at several times; None where nobody is there."""
 
         def look() -> DetectionWindow:
@@ -387,14 +409,14 @@ class _DetectionRun:
 
         key = ("seed until it stays", seed.frame, astuple(seed.region))
         stretch = self._kept(key, 1, look)
-        return None if stretch.lost_for[0] else _Start(seed.frame, stretch)
+        return None if stretch.lost_for[0] else Start(seed.frame, stretch)
 
-    def chain(self, start: _Start, direction: int, last: int) -> DetectionWindow:
+    def chain(self, start: Start, direction: int, last: int) -> DetectionWindow:
         """All frames after the start up to the last, in this direction."""
         frames = range(start.frame + direction, last + direction, direction)
         region, lost_for = start.region, 0
         pieces = [Rows(region).stretch()]
-        for piece_frames in _pieces(frames):
+        for piece_frames in frames_together(frames):
             piece = self._stretch(piece_frames, region, lost_for)
             pieces.append(piece)
             region, lost_for = piece.region(-1), int(piece.lost_for[-1])
@@ -405,7 +427,7 @@ class _DetectionRun:
             rows = Rows(region, lost_for)
             for number in frames:
                 self._report(number)
-                may_skip = self.every_second and _is_between(number) and number != frames[-1]
+                may_skip = self.every_second and is_between(number) and number != frames[-1]
                 if may_skip and not rows.lost_for:
                     rows.skip()
                     continue
@@ -420,7 +442,7 @@ class _DetectionRun:
             lost_for,
         )
         if self.every_second:  # a longer piece may skip the frame at which this one ends
-            key += ("every second", frames[-1] if _is_between(frames[-1]) else None)
+            key += ("every second", frames[-1] if is_between(frames[-1]) else None)
         return self._kept(key, len(frames), look)
 
     def _kept(
@@ -443,7 +465,7 @@ class _DetectionRun:
         self.done += 1
 
 
-def _pieces(frames: range) -> Iterator[range]:
+def frames_together(frames: range) -> Iterator[range]:
     """Frames up to each multiple of `STRETCH`, in either direction."""
     ends = [k + 1 for k, frame in enumerate(frames) if frame % STRETCH == 0]
     for start, end in pairwise(sorted({0, *ends, len(frames)})):

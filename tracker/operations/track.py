@@ -166,7 +166,8 @@ def _or_drafted(
         return detected
     if keypoints is None:
         raise _not_read(drafted)
-    return DraftedKeypoints(keypoints, detected, session.view.camera, session.camera_path)
+    camera, path = session.view.camera, session.camera_path
+    return DraftedKeypoints(keypoints, detected, camera, path, drafted.together)
 
 
 def _not_read(keypoints: KeypointFile) -> SessionError:

@@ -171,6 +171,12 @@ class KeypointFile(Plain):
     masks: bool = Field(
         default=False, description="Whether the file has the person's outlines, too."
     )
+    together: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="Whether the people around were followed as well, so that whoever is unseen is "
+        "hidden; left out where they were not.",
+    )
     runs: tuple[Annotated[str, Field(pattern=r"^[0-9a-f]{8}$")], ...] = Field(
         default=(),
         description=f"Digests of what is in each {KEYPOINT_RUN} frames of the film, with which "

@@ -68,8 +68,8 @@ class HeldPoint:
 
     def nearness(self, motion: Trajectory, fade: int) -> Array:
         """As of a point that stays at one place."""
-        frames = (self.first_frame, self.last_frame)
-        return PinnedPoint(self.part, self.p_part, *frames).nearness(motion, fade)
+        pinned = PinnedPoint(self.part, self.p_part, self.first_frame, self.last_frame)
+        return pinned.nearness(motion, fade)
 
 
 def at_places(

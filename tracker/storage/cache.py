@@ -114,8 +114,10 @@ def found_before(
     skeleton = Skeleton.of(session.subject.body)
     posed = {k.frame: k.pose(skeleton) for k in session.subject.keyframes if k.frame in span}
     camera, path = session.view.camera, session.camera_path
-    if drafted is not None and has_drafted_keypoints(session):
-        served = drafted_over(drafted, span, skeleton, posed, camera, path)
+    file = session.view.keypoints
+    if drafted is not None and file is not None and has_drafted_keypoints(session):
+        together = file.together
+        served = drafted_over(drafted, span, skeleton, posed, camera, path, together=together)
         if served is not None:
             return served
     model, film = find_model(session.settings.network_used), session.view.video.pictures

@@ -51,10 +51,12 @@ from keypose.tracker.storage.mask_arrays import MASK_ARRAYS, arrays_of_masks, ma
 def carry_beside(session: Session, folder: Path, target: Path) -> None:
     """Copy the session's imported motion and the keypoints of its films to another folder;
     SessionError when one cannot be written there."""
-    of_films = (view.keypoints for view in session.views)
-    for reference in (session.subject.first_motion, *of_films):
-        if reference is not None:
-            _carry(folder / reference.file, target / reference.file)
+    for body in session.bodies:
+        about = session.about(body.id)
+        of_films = (view.keypoints for view in about.views)
+        for reference in (body.first_motion, *of_films):
+            if reference is not None:
+                _carry(folder / reference.file, target / reference.file)
 
 
 def _carry(source: Path, place: Path) -> None:
@@ -263,12 +265,14 @@ def save_keypoints(
     *,
     network: str = "",
     seeds: Sequence[int] = (),
+    together: bool = False,
 ) -> Session:
     """Write keypoints beside the session file; the session that refers to them, not yet saved.
 
     source:  what found them, for people: a network's name, or the file they were imported from.
     network: fingerprint of the network; empty for an imported file.
     seeds:   frames where somebody said where the body is.
+    together: whether the people around were followed as well.
     KeypointError in one sentence when the file cannot be written.
     """
     if sum(len(mask.packed) for mask in keypoints.masks or () if mask) > MOST_MASK_BYTES:
@@ -285,6 +289,7 @@ def save_keypoints(
         model=model,
         runs=_runs(keypoints) if model else (),
         masks=_shows_outlines(keypoints),
+        together=together,
     )
     return session.changed({"keypoints": reference})
 

@@ -52,6 +52,8 @@ def add_draft(commands: Subcommands) -> None:
         "tell size from distance, so the body keeps its preset's height, or the one you give. "
         "Frames that do not show the person well enough get no draft. Drafts become keyframes when "
         "you confirm them in the page, or with --accept; the ones to confirm first are listed. "
+        "With several --box each person becomes a body of the session: they are followed together, "
+        "so that nobody is taken for another who passes. "
         "Ctrl+C keeps the frames the network has looked at; the same command with --overwrite goes "
         "on from there."
     )
@@ -63,6 +65,7 @@ def add_draft(commands: Subcommands) -> None:
         help="video file or folder of images; with --accept also a session that is drafted",
     )
     add_film_orders(command)
+    command.set_defaults(more_box=())
     command.add_argument(
         "--accept",
         action="store_true",

@@ -9,6 +9,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -21,10 +22,13 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.files import load_session, open_video_of
 from keypose.tracker.storage.sidecars import keypoints_of_session
 from tests.app.cli_cases import everything_in, refused
-from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
+from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX, balance
 
 VIDEO = BALANCE / "balance.mp4"
 AROUND = ",".join(f"{value:g}" for value in BOX)
+FILM_WIDTH = 544
+BESIDE = ",".join(f"{edge:g}" for edge in np.add(BOX, (FILM_WIDTH, 0, FILM_WIDTH, 0)))
+"""Around the same man in the same picture on its right."""
 
 
 def command(out: Path, *more: str, box: str = AROUND) -> list[str | Path]:
@@ -79,7 +83,9 @@ WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
     "a box of words": ((), "here", "is not a box"),
     "a box of three numbers": ((), "10,20,30", "is not a box"),
     "a box with nobody in it": ((), "0,0,60,60", "No person was found at frame 0"),
-    "two boxes": (("--box", "10,10,90,90"), AROUND, "--box: is given twice"),
+    "a second box with nobody in it": (("--box", "0,0,60,60"), AROUND, "No person was found"),
+    "a second box outside": (("--box", "3000,10,3100,90"), AROUND, "outside the picture"),
+    "two boxes around one": (("--box", AROUND), AROUND, "around the same person"),
     "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
     "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
     "frames that fall": (("--frames", "5-2"), AROUND, "are no frames such as 10-60"),
@@ -98,6 +104,62 @@ def test_what_cannot_be_drafted_is_said_in_one_sentence(
     assert not (tmp_path / "new").exists()
 
 
+@pytest.fixture
+def duet(tmp_path: Path) -> Path:
+    """The man twice beside himself, as a folder of images."""
+    folder = tmp_path / "duet"
+    folder.mkdir()
+    with balance() as video:
+        for number in range(6):
+            picture = np.hstack([video.frame(number)] * 2)[..., ::-1]
+            cv2.imwrite(str(folder / f"{number:04}.jpg"), picture)
+    return folder
+
+
+def test_people_in_several_boxes_become_bodies_with_their_own_keypoints(
+    duet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, boxes = tmp_path / "out", ("--box", AROUND, "--box", BESIDE)
+    assert run(["draft", duet, *boxes, "--out", out, "--accept"]) == 0
+    message = capsys.readouterr().out
+    assert re.search(r"body:\nDrafts at 6 of 6 frames.*body-2:\nDrafts at 6 of 6", message, re.S)
+    place = out / "session.json"
+    session = load_session(place)
+    assert [body.id for body in session.bodies] == ["body", "body-2"]
+    middles = []
+    for body in session.bodies:
+        alone = session.about(body.id)
+        assert [keyframe.frame for keyframe in body.keyframes][::5] == [0]
+        assert all(keyframe.drafted for keyframe in body.keyframes)
+        keypoints = keypoints_of_session(alone, out)
+        assert keypoints is not None
+        middles.append(np.median(keypoints.uv[..., 0]))
+        assert alone.view.keypoints is not None
+        assert str(out / alone.view.keypoints.file) in message
+    assert middles[1] - middles[0] == pytest.approx(FILM_WIDTH, abs=5)
+    assert run(["track", place, "--quality", "preview"]) == 0
+    tracked = load_session(place)
+    assert [body.results is not None for body in tracked.bodies] == [True, True]
+    assert tracked.view.keypoints == session.view.keypoints
+    assert tracked.bodies[1].keypoints_by_view == session.bodies[1].keypoints_by_view
+
+
+def test_json_tells_each_body_of_several(
+    duet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    boxes = ("--box", AROUND, "--box", BESIDE, "--frames", "0-2")
+    assert run(["draft", duet, *boxes, "--out", tmp_path / "out", "--json"]) == 0
+    finished = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert [(each["body"], each["drafts"]) for each in finished["bodies"]] == [
+        ("body", 3),
+        ("body-2", 3),
+    ]
+    assert run(["draft", tmp_path / "out", "--accept", "--json"]) == 0
+    accepted = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert [each["body"] for each in accepted["bodies"]] == ["body", "body-2"]
+    assert all(each["accepted"] for each in accepted["bodies"])
+
+
 def test_a_session_that_is_there_is_not_overwritten_unless_asked(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -110,13 +172,13 @@ def test_a_session_that_is_there_is_not_overwritten_unless_asked(
 def test_ctrl_c_leaves_nothing_behind(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = draft.drafted
+    whole = draft.drafted_people
 
     def interrupted(session: Session, *given: Any, **named: Any) -> Any:
         signal.raise_signal(signal.SIGINT)
         return whole(session, *given, **named)
 
-    monkeypatch.setattr(draft, "drafted", interrupted)
+    monkeypatch.setattr(draft, "drafted_people", interrupted)
     before = everything_in(tmp_path)
     assert run(command(tmp_path / "new")) == 130
     assert everything_in(tmp_path) == before
@@ -127,7 +189,7 @@ def test_ctrl_c_keeps_what_the_network_has_looked_at_and_the_same_command_goes_o
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    whole, reports = draft.drafted, 0
+    whole, reports = draft.drafted_people, 0
 
     def interrupted(*given: Any, **named: Any) -> Any:
         def report(progress: DraftProgress) -> None:
@@ -139,7 +201,7 @@ def test_ctrl_c_keeps_what_the_network_has_looked_at_and_the_same_command_goes_o
 
         return whole(*given, **{**named, "report": report})
 
-    monkeypatch.setattr(draft, "drafted", interrupted)
+    monkeypatch.setattr(draft, "drafted_people", interrupted)
     out = tmp_path / "new"
     some = command(out, "--json", "--frames", "0-39")
     assert run(some) == 130

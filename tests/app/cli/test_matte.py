@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from keypose.app.cli.main import main
 from keypose.app.export.picture_names import picture_names
 from keypose.app.orders.drawing import MatteOrder
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
+from keypose.tracker.keypoints.people import GREY
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.session.annotations import Drafted, DraftPlace
 from keypose.tracker.storage.files import load_session, save_session
@@ -99,6 +100,47 @@ def test_the_alpha_alone_is_grey(
     assert np.array_equal(picture, expected(1))
 
 
+@dataclass
+class Pair:
+    """A network that sees whichever of two bodies is nearer to a region, and keeps of what it was
+    shown the levels in the middle of both."""
+
+    places: tuple[Region, Region]
+    shown: list[tuple[int, bool, bool]] = field(default_factory=list)
+    fingerprint: str = "pair"
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        index = int(np.argmin([abs(region.x - place.x) for place in self.places]))
+        place = self.places[index]
+        grey = [(picture[int(each.y), int(each.x)] == GREY).all() for each in self.places]
+        self.shown.append((index, bool(grey[0]), bool(grey[1])))
+        spread = np.linspace(-0.3, 0.3, len(NAMES))[:, None] * place.side
+        uv = np.array([place.x, place.y]) + spread
+        ones, p_hips = np.ones(len(NAMES)), np.zeros((len(NAMES), 3))
+        return Seen(uv, ones, p_hips, 1.0, place, disc(place))
+
+
+@pytest.mark.parametrize("two", [False, True], ids=["alone", "beside another body"])
+def test_the_other_bodies_of_a_session_are_painted_out_before_the_person_is_looked_for(
+    session: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, two: bool
+) -> None:
+    network = Pair((PLACE, Region(PLACE.x + 170.0, PLACE.y, 240.0)))
+    monkeypatch.setattr(sources, "_network", lambda model: network)
+    doc = load_session(session)
+    keyframe = doc.subject.keyframes[0]
+    x, y, z = keyframe.root_m
+    beside = keyframe.model_copy(update={"root_m": (x + 170.0 * z / doc.view.camera.fx, y, z)})
+    first = doc.subject.model_copy(update={"keyframes": (keyframe,), "results": None})
+    second = first.model_copy(update={"id": "second", "keyframes": (beside,)})
+    bodies = (first, second) if two else (first,)
+    save_session(doc.model_copy(update={"bodies": bodies}), session)
+    assert run(session, "--frames", "1-3", "--alpha-only", "--out", tmp_path / "out") == 0
+    looks = [look for look in network.shown if look[0] == 0]
+    assert len(looks) >= 3
+    assert not any(own_is_grey for _, own_is_grey, _ in looks)
+    assert any(is_grey for _, _, is_grey in looks) == two
+
+
 def decoded(path: Path) -> list[av.VideoFrame]:
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
@@ -171,7 +213,7 @@ def test_where_it_may_be_another_person_is_said_as_the_draft_says_it(
     if said_by == "the draft":
         place = DraftPlace(frame=change, reason="person")
         update |= {"drafted": Drafted(first_frame=0, last_frame=9, places=(place,))}
-    monkeypatch.setattr(sources, "person_changes", lambda *given: (change,))
+    monkeypatch.setattr(sources, "people_changes", lambda *given, **named: [(change,)])
     save_session(doc.changed(update), session)
     assert run(session, "--frames", frames, "--json", "--out", tmp_path / "out") == 0
     out, err = capsys.readouterr()

@@ -12,6 +12,8 @@ from pydantic import ValidationError
 from keypose.app.cli.main import main
 from keypose.tracker.errors import one_sentence
 from keypose.tracker.session import Session
+from keypose.tracker.session.bodies import ViewKeypoints
+from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.storage.edit_history import Moment, base_record, edit_record, mark_of
 from keypose.tracker.storage.files import journal_path, load_session, open_session, save_session
 from keypose.tracker.storage.journal import lines
@@ -104,3 +106,32 @@ def test_a_second_view_is_kept_with_where_its_camera_stands() -> None:
     x, z = -0.28 * 0.3 + 0.96 * 4.0, -0.96 * 0.3 - 0.28 * 4.0
     expected = [0.5 + x, -0.2, 2.0 + z]
     np.testing.assert_allclose((again.views[1].T_camera_world @ p_world)[:3], expected)
+
+
+def keypoint_file(digit: str) -> KeypointFile:
+    return KeypointFile(file=f"keypoints-{digit * 12}.npz", source="BlazePose")
+
+
+def with_keypoints_of(session: Session, *bodies: str) -> Session:
+    """Each of these bodies with keypoints of its own."""
+    for number, body_id in enumerate(bodies):
+        session = session.about(body_id).changed({"keypoints": keypoint_file(f"{number}")})
+    return session.about("body")
+
+
+def test_each_body_has_its_own_keypoints_and_leaves_the_others_theirs(path: Path) -> None:
+    session = with_keypoints_of(load_session(path), "body", "second")
+    first, second = (session.about(body.id) for body in session.bodies)
+    assert first.view.keypoints == keypoint_file("0")
+    assert second.view.keypoints == keypoint_file("1")
+    assert second.about("body") == session
+    save_session(second, path)
+    assert load_session(path) == second
+
+
+def test_keypoints_of_a_view_that_is_not_there_are_refused(path: Path) -> None:
+    session = load_session(path)
+    of_view = {"nowhere": ViewKeypoints(keypoints=keypoint_file("1"))}
+    second = session.bodies[1].model_copy(update={"keypoints_by_view": of_view})
+    with pytest.raises(ValidationError, match="no view of the id"):
+        Session.model_validate_json(session.with_body(second).model_dump_json())

@@ -95,7 +95,7 @@ def test_a_quick_film_is_drafted_from_every_second_frame_where_no_mask_is_needed
         settings = session.settings.model_copy(update={"static_camera": still})
         session = session.changed({"settings": settings})
         monkeypatch.setattr(Video, "frame", shown)
-        monkeypatch.setattr(clip, "person_changes", lambda *given: ())
+        monkeypatch.setattr(clip, "people_changes", lambda *given, **named: [()])
         report: dict[str, Any] = {"proportions": True, "report": lambda progress: None}
         found = drafted(session, video, 0, BOX, (0, 8), **report)
     assert seen == looked

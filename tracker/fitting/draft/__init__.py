@@ -5,6 +5,7 @@ from keypose.tracker.fitting.draft.clip import (
     DraftProgress,
     draft_clip,
     draft_from_keypoints,
+    draft_people,
 )
 from keypose.tracker.fitting.draft.proposals import Proposal
 from keypose.tracker.fitting.draft.refit import refit_drafts
@@ -15,5 +16,6 @@ __all__ = [
     "Proposal",
     "draft_clip",
     "draft_from_keypoints",
+    "draft_people",
     "refit_drafts",
 ]

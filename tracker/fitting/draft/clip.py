@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
@@ -41,11 +41,11 @@ from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.steady import SteadyCamera
-from keypose.tracker.keypoints.crossings import person_changes
-from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.keypoints.on_body import height_px
+from keypose.tracker.keypoints.people import detect_people, people_changes
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session.annotations import FlippedDrafts
 from keypose.tracker.tracking.cues.anchors import with_free_joints
@@ -119,37 +119,90 @@ def draft_clip(
     KeypointError in one sentence for a box that is none, or without a person in it.
     """
 
+    (draft,) = draft_people(
+        frame,
+        frames,
+        at,
+        [box],
+        camera,
+        body,
+        network,
+        again=again,
+        proportions=proportions,
+        up_world=up_world,
+        path=path,
+        lifter=lifter,
+        report=report,
+        film=film,
+        kept=kept,
+        every_second=every_second,
+    )
+    return draft
+
+
+def draft_people(
+    frame: Frame,
+    frames: tuple[int, int],
+    at: int,
+    boxes: Sequence[Box],
+    camera: Camera,
+    body: Body,
+    network: Detector,
+    *,
+    again: Detector | None = None,
+    proportions: bool = True,
+    up_world: ArrayLike | None = None,
+    path: CameraPath | None = None,
+    lifter: DepthLifter | None = None,
+    report: Callable[[DraftProgress], None] = lambda progress: None,
+    film: str = "",
+    kept: Kept | None = None,
+    every_second: bool = False,
+) -> list[ClipDraft]:
+    """Drafts of several people in boxes on one frame, who are followed together; all else is as of
+    `draft_clip`."""
+
     def looked(progress: Progress) -> None:
         report(DraftProgress("keypoints", progress.done, progress.expected))
 
-    seed = Seed.of_box(at, box, camera.width, camera.height)
-    keypoints = detect(
+    seeds = [[Seed.of_box(at, box, camera.width, camera.height)] for box in boxes]
+    people = detect_people(
         frame,
         frames,
-        [seed],
+        seeds,
         network,
         report=looked,
         film=film,
         kept=kept,
         every_second=every_second,
     )
-    count = frames[1] - frames[0] + 1
+    count = len(boxes) * (frames[1] - frames[0] + 1)
 
     def looked_again(done: int, expected: int) -> None:
         report(DraftProgress("keypoints", count + done, count + expected))
 
-    changes = person_changes(frame, keypoints, [at], again or network, looked_again)
-    return draft_from_keypoints(
-        keypoints,
-        camera,
-        body,
-        changes=changes,
-        proportions=proportions,
-        up_world=up_world,
-        path=path,
-        lifter=lifter,
-        report=report,
-    )
+    plain = again or network
+    changes = people_changes(frame, people, [at], plain, looked_again, every_second=every_second)
+
+    def posing(index: int, progress: DraftProgress) -> None:
+        """Of all people, one after another."""
+        done = index * progress.expected + progress.done
+        report(DraftProgress(progress.stage, done, len(boxes) * progress.expected))
+
+    return [
+        draft_from_keypoints(
+            keypoints,
+            camera,
+            body,
+            changes=own_changes,
+            proportions=proportions,
+            up_world=up_world,
+            path=path,
+            lifter=lifter,
+            report=partial(posing, index),
+        )
+        for index, (keypoints, own_changes) in enumerate(zip(people, changes, strict=True))
+    ]
 
 
 def draft_from_keypoints(

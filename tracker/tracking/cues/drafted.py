@@ -38,12 +38,14 @@ class DraftedKeypoints:
     """Keypoints of a draft, where the body's poses lie on them; another source's elsewhere.
 
     drafted: as they were filmed.  camera, path: as of `DetectedKeypoints`.
+    together: as of `drafted_over`.
     """
 
     drafted: Keypoints
     source: KeypointSource
     camera: Camera
     path: CameraPath | None = None
+    together: bool = False
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
@@ -69,7 +71,9 @@ class DraftedKeypoints:
     def _shown(
         self, frames: tuple[int, int], skeleton: Skeleton, posed: Mapping[int, Pose]
     ) -> Keypoints | None:
-        return drafted_over(self.drafted, frames, skeleton, posed, self.camera, self.path)
+        return drafted_over(
+            self.drafted, frames, skeleton, posed, self.camera, self.path, together=self.together
+        )
 
 
 def drafted_over(
@@ -79,18 +83,27 @@ def drafted_over(
     posed: Mapping[int, Pose],
     camera: Camera,
     path: CameraPath | None = None,
+    *,
+    together: bool = False,
 ) -> Keypoints | None:
     """A draft's keypoints from the first frame to the last; None where a pose lies beside
     them, or where somebody was not seen at all of these frames.
 
     posed: poses of the body as it was filmed, by frame.  camera: of the video, with its distortion.
     path: of a camera that moves.
+    together: whether the people around were followed as well: then who is unseen is hidden, and a
+    second look would see somebody else. One pose has to show that the keypoints are the body's.
     """
     keypoints = drafted.over(*frames)
     on_body = points_on_body(skeleton.body, keypoints.names)
-    if len(on_body.indices) < FEWEST or not np.isfinite(keypoints.uv).all():
+    is_seen = np.asarray(np.isfinite(keypoints.uv).all(axis=(1, 2)))
+    is_drafted = drafted.first_frame <= frames[0] and frames[1] <= drafted.last_frame
+    if len(on_body.indices) < FEWEST or not (is_drafted if together else is_seen.all()):
         return None
-    for frame, pose in posed.items():
+    compared = {frame: pose for frame, pose in posed.items() if is_seen[frame - frames[0]]}
+    if posed and not compared:
+        return None
+    for frame, pose in compared.items():
         here = FilmCamera(camera, path).at(frame)
         if not _lies_on(keypoints.over(frame, frame), on_body, skeleton, pose, here):
             return None

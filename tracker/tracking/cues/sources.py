@@ -16,13 +16,13 @@ from keypose.tracker.body.film_camera import FilmCamera
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.augmented import AugmentedNetwork
 from keypose.tracker.keypoints.blazepose import Seen
-from keypose.tracker.keypoints.crossings import person_changes
 from keypose.tracker.keypoints.detect import Detector, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.detectors import detector_fingerprint, open_detector
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
 from keypose.tracker.keypoints.model_files import FULL, Model
 from keypose.tracker.keypoints.paired import PairedNetwork
+from keypose.tracker.keypoints.people import detect_people, people_changes
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.video.info import MissingFrame
 
@@ -163,19 +163,48 @@ class DetectedKeypoints:
             except KeypointError:  # nobody is seen there: a body that is no person
                 return None
 
-    def changes(
-        self, keypoints: Keypoints, seeds: Sequence[int], report: Callable[[int, int], None]
-    ) -> tuple[int, ...]:
-        """The frames from which on what `follow` found may be another person, ascending; see
-        `person_changes`.
+    def follow_people(
+        self,
+        frames: tuple[int, int],
+        people: Sequence[tuple[Skeleton, Mapping[int, Pose]]],
+        report: Callable[[Progress], None],
+    ) -> list[Keypoints] | None:
+        """The keypoints of several people in all frames from the first to the last; None where one
+        of them is not found.
 
-        seeds: the frames of the poses that it was followed from.
+        people: of each the body and its poses, as `posed` of `follow`.  report: likewise.
+        """
+        seeds = [_seeds(posed, skeleton, self.camera, self.path) for skeleton, posed in people]
+        with _LOOKING:
+            network = _network(self.model)
+            try:
+                return detect_people(
+                    self._frame,
+                    frames,
+                    seeds,
+                    network,
+                    report=report,
+                    film=self.film,
+                    kept=self.kept,
+                    every_second=self.every_second,
+                )
+            except KeypointError:  # somebody is not seen where they are posed
+                return None
+
+    def changes(
+        self, people: Sequence[Keypoints], seeds: Sequence[int], report: Callable[[int, int], None]
+    ) -> list[tuple[int, ...]]:
+        """The frames from which on each of the people may be another one, ascending; see
+        `people_changes`.
+
+        seeds: the frames of the poses that they were followed from.
         """
         with _LOOKING:
             network = _network(self.model)
             if isinstance(network, AugmentedNetwork | PairedNetwork):
                 network = network.plain
-            return person_changes(self._frame, keypoints, seeds, network, report)
+            half = self.every_second
+            return people_changes(self._frame, people, seeds, network, report, every_second=half)
 
     def _frame(self, number: int) -> NDArray[np.uint8] | None:
         try:

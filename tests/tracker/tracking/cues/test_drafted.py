@@ -79,6 +79,32 @@ def test_a_segment_is_tracked_with_the_draft_where_its_keyframes_lie_on_it(name:
     assert (found.first_frame, found.last_frame) == (expected.first_frame, expected.last_frame)
 
 
+def hidden(drafted: Keypoints, *frames: int) -> Keypoints:
+    uv = drafted.uv.copy()
+    uv[list(frames)] = np.nan
+    return replace(drafted, uv=uv)
+
+
+@pytest.mark.parametrize(
+    ("drafted", "segment", "serves"),
+    [
+        (hidden(FILM.keypoints, 4, 5), AS_DRAFTED, True),
+        (hidden(FILM.keypoints, -1), AS_DRAFTED, True),
+        (hidden(FILM.keypoints, 0, -1), AS_DRAFTED, False),
+        (hidden(FILM.keypoints, 4), replace(AS_DRAFTED, end=moved(AS_DRAFTED.end, 0.5)), False),
+        (FILM.keypoints.over(FIRST, LAST - 1), AS_DRAFTED, False),
+    ],
+    ids=["between", "at a keyframe", "at both", "a keyframe beside", "not drafted"],
+)
+def test_whoever_was_followed_among_others_and_is_unseen_is_hidden(
+    drafted: Keypoints, segment: Segment, serves: bool
+) -> None:
+    source = DraftedKeypoints(drafted, Looks(), BENT, together=True)
+    keypoints = source.over(segment, SKELETON, lambda: None)
+    assert keypoints is not None
+    assert (keypoints is not LOOKED) == serves
+
+
 def test_so_are_one_frame_and_those_that_are_followed_ahead() -> None:
     source, pose = DraftedKeypoints(FILM.keypoints, Looks(), BENT), FILM.truth.pose(FIRST + 2)
     here = source.at(FIRST + 2, SKELETON, pose)
