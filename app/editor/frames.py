@@ -7,9 +7,6 @@ them over the picture. Where the camera stands still all of these are one.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from keypose.app.editor.documents import film_of
 from keypose.app.posing import (
     Eye,
@@ -19,8 +16,6 @@ from keypose.app.posing import (
     view_rotations,
 )
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.trajectory import blended, carried
-from keypose.tracker.geometry.camera_path import rigid_inverse
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewName
 from keypose.tracker.session.between_views import T_film_first, lens_in
@@ -31,21 +26,6 @@ def up_of(doc: Session, frame: int) -> tuple[float, float, float]:
     """The world's up direction in the frame of the camera at a frame."""
     x, y, z = doc.film_camera.T_camera_world(frame)[:3, :3] @ doc.world.up
     return float(x), float(y), float(z)
-
-
-def even_motion(
-    doc: Session, start: Pose, end: Pose, span: tuple[int, int], frames: NDArray[np.int64]
-) -> tuple[Array, Array]:
-    """Rotations (N, P, 3, 3) and root positions (N, 3) at frames (N,) of the motion from one pose,
-    at the first frame of a span, to another at its last, that is even in the world, as the camera
-    sees it."""
-    first, last = span
-    path, shares = doc.camera_path, (frames - first) / (last - first)
-    if path is None:
-        return blended(start, end, shares)
-    Ts = path.Ts_camera_world
-    begin, finish = rigid_inverse(Ts[[first, last]])
-    return carried(*blended(start.carried(begin), end.carried(finish), shares), Ts[frames])
 
 
 def views_of(doc: Session, frame: int) -> tuple[dict[ViewName, Array], Array]:

@@ -14,7 +14,8 @@ from functools import lru_cache
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.trajectory import Pass, displaced
 from keypose.tracker.session.keyframe import Keyframe
-from keypose.tracker.storage.fingerprints import ById, Span
+from keypose.tracker.storage.by_id import ById
+from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.storage.results import Fitting, Results, segment_keys
 from keypose.tracker.tracking.result import SegmentResult
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.editor.frames import (
-    even_motion,
     up_of,
 )
 from keypose.app.editor.live import at_hand
@@ -143,7 +142,7 @@ def _untracked(
     doc, keyframes = edit.settled, (find(edit.settled.subject.keyframes, f) for f in (start, end))
     at, pose = next((k.frame, k.pose(skeleton)) for k in keyframes if k is not None)
     begin, finish = (doc.film_camera.pose_seen_at(frame, at, pose) for frame in (start, end))
-    return even_motion(doc, begin, finish, (start, end), frames)
+    return doc.film_camera.even_motion(begin, finish, (start, end), frames)
 
 
 REACH = 30

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from keypose.app.editor.copied import Copied
 from keypose.app.editor.documents import require_sound
-from keypose.app.editor.frames import even_motion, first_pose
+from keypose.app.editor.frames import first_pose
 from keypose.app.editor.known import KnownMotion
 from keypose.app.editor.outdated import up_to_date
 from keypose.app.posing import PlacedCorner, Readout
@@ -24,7 +24,7 @@ from keypose.tracker.session.history import History
 from keypose.tracker.session.pins import Pin, pins_apart
 from keypose.tracker.session.references import Repeats
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.fingerprints import ById
+from keypose.tracker.storage.by_id import ById
 from keypose.tracker.storage.results import Fitting, Results, pose_at
 from keypose.tracker.storage.sidecars import OwnMotion
 
@@ -184,7 +184,7 @@ class EditorState:
             return trajectory.Rs_parent_part[frames - start], trajectory.ps_camera_root[
                 frames - start
             ]
-        return even_motion(doc, begin, finish, (start, end), frames)
+        return doc.film_camera.even_motion(begin, finish, (start, end), frames)
 
     def with_repeats(self, repeats: Repeats | None) -> EditorState:
         """The same with the repeated frames of the film, which are no edit; itself where they are

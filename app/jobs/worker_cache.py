@@ -7,6 +7,7 @@ from typing import Any
 
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.operations.films import film_beside, prepared_film
+from keypose.tracker.operations.occlusion import ignored_regions
 from keypose.tracker.operations.track import fitter_of, steps_of, tracker_of
 from keypose.tracker.session import Session
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -75,7 +76,7 @@ class WorkerCache:
 
     def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:
         video = self.video(session, path)
-        masks, static = session.view.ignore_masks, session.has_static_camera
+        masks, static = ignored_regions(session), session.has_static_camera
         around = steady_camera(session), background_turns(session) is not None
         prepared_for = (self._opened, session.view.camera, masks, static, *around)
         if prepared_for != self._prepared_for:

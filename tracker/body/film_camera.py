@@ -12,12 +12,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.trajectory import Trajectory
+from keypose.tracker.body.trajectory import Trajectory, blended, carried
 from keypose.tracker.geometry.camera import Camera
-from keypose.tracker.geometry.camera_path import CameraPath
+from keypose.tracker.geometry.camera_path import CameraPath, rigid_inverse
 from keypose.tracker.geometry.rotations import Array
 
 
@@ -73,6 +73,20 @@ class FilmCamera:
         if self.path is None:
             return pose
         return pose.carried(self.parts_seen_at(seen_frame, np.eye(4)[None], [frame])[0])
+
+    def even_motion(
+        self, start: Pose, end: Pose, span: tuple[int, int], frames: NDArray[np.int64]
+    ) -> tuple[Array, Array]:
+        """Rotations (N, P, 3, 3) and root positions (N, 3) at frames (N,) of the motion from one
+        pose, at the first frame of a span, to another at its last, that is even in the world, as
+        the camera sees it."""
+        first, last = span
+        path, shares = self.path, (frames - first) / (last - first)
+        if path is None:
+            return blended(start, end, shares)
+        Ts = path.Ts_camera_world
+        begin, finish = rigid_inverse(Ts[[first, last]])
+        return carried(*blended(start.carried(begin), end.carried(finish), shares), Ts[frames])
 
     def parts_to_world(self, Ts_camera: Array, frames: ArrayLike) -> Array:
         """Ts_camera (N, ..., 4, 4), each in the frame of the camera at its own of N frames, in the

@@ -12,6 +12,7 @@ from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.operations.lifting import depth_lifter
+from keypose.tracker.operations.occlusion import ignored_regions
 from keypose.tracker.session.annotations import Direction
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from keypose.tracker.session.references import KeypointFile
@@ -109,7 +110,7 @@ def tracker_of(
         session.view.camera,
         skeleton,
         poses,
-        session.view.ignore_masks,
+        ignored_regions(session),
         session.has_static_camera,
         memory,
         first_motion,

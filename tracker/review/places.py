@@ -25,7 +25,7 @@ from keypose.tracker.review.segments import JudgedSegments, far_end
 from keypose.tracker.session.annotations import DraftPlace, Reviewed
 from keypose.tracker.session.results import SpaceFinding
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.fingerprints import ById
+from keypose.tracker.storage.by_id import ById
 from keypose.tracker.storage.results import Results, Span
 from keypose.tracker.tracking.result import SegmentResult
 

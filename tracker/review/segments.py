@@ -28,7 +28,7 @@ from keypose.tracker.geometry.view import NEAR_M
 from keypose.tracker.review.segment_errors import depth_errors_m, gain
 from keypose.tracker.session.annotations import Reviewed
 from keypose.tracker.session.schema import Session
-from keypose.tracker.storage.fingerprints import ById
+from keypose.tracker.storage.by_id import ById
 from keypose.tracker.storage.results import Results, Span
 from keypose.tracker.tracking.result import SegmentResult
 

@@ -32,6 +32,8 @@ from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.camera_motion import CameraMotion
 from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from keypose.tracker.session.references import KEYPOINT_RUN
+from keypose.tracker.storage.bodies_before import keyframes_before
+from keypose.tracker.storage.by_id import ById
 
 Span: TypeAlias = tuple[int, int]
 """First and last frame of a segment, as in Session.spans."""
@@ -133,7 +135,20 @@ def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> lis
     evidence = [*_masks_and_corrections(session, span), *_own_start(session, span)]
     drafted = [end.frame for end in ends if end.drafted and lifts_depth(session)]
     evidence += [{"not_posed": drafted}] if drafted else []
-    return [*evidence, *_steadied(session, span)]
+    return [*evidence, *_steadied(session, span), *_bodies_before(session, span, ends)]
+
+
+def _bodies_before(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+    """How other bodies are posed that may be before this one in a segment; nothing where none is
+    near it in the picture."""
+    if len(session.bodies) == 1:
+        return []
+    before = [
+        [_body(ById(body.body)), [[k.frame, _pose(ById(k), body.body.names).hex()] for k in posed]]
+        for body, posed in keyframes_before(session, span, ends)
+    ]
+    digests = sorted(hashlib.sha256(json.dumps(each).encode()).hexdigest() for each in before)
+    return [{"before": digests}] if digests else []
 
 
 def steady_camera(session: Session) -> SteadyCamera | None:
@@ -449,19 +464,6 @@ def _start(session: Session) -> list[Any]:
     imported = first_motion is not None and not first_motion.own
     start: list[Any] = [initial, first_motion.file] if first_motion and imported else []
     return [*start, left_out] if left_out and initial == "auto" else start
-
-
-class ById:
-    """An immutable object as a cache key, by identity: quicker than by its contents."""
-
-    def __init__(self, it: Any) -> None:
-        self.it = it
-
-    def __hash__(self) -> int:
-        return id(self.it)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, ById) and self.it is other.it
 
 
 @lru_cache(maxsize=8)
