@@ -27,6 +27,7 @@ from keypose.app.editor import (
 from keypose.app.editor.message import Editing, Message, PoseId, PoseName, StrokeName
 from keypose.app.posing.gesture import Coordinate
 from keypose.tracker.body.body import Name
+from keypose.tracker.session.schema import MOST_BODIES
 from keypose.tracker.session.settings import FrameIndex, SceneId, Title
 
 SessionId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
@@ -70,16 +71,21 @@ class DraftRest(Message):
     do: Literal["draft_rest"] = "draft_rest"
 
 
+BoxOfPerson: TypeAlias = tuple[Coordinate, Coordinate, Coordinate, Coordinate]
+
+
 class Draft(Message):
     """A pose for every frame, from a box around the person on one of them.
 
-    box: left, top, right and bottom, pixels of the video.  first, last: of the frames to draft,
-    those of the video where left out.
+    box: left, top, right and bottom, pixels of the video.  others: boxes around more people on that
+    frame, each of whom becomes a body.  first, last: of the frames to draft, those of the video
+    where left out.
     """
 
     do: Literal["draft"] = "draft"
     frame: FrameIndex
-    box: tuple[Coordinate, Coordinate, Coordinate, Coordinate]
+    box: BoxOfPerson
+    others: Annotated[tuple[BoxOfPerson, ...], Field(max_length=MOST_BODIES - 1)] = ()
     first: FrameIndex | None = None
     last: FrameIndex | None = None
 

@@ -339,32 +339,3 @@ def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -
     after = with_drafts(doc, drafts)
     require_sound(doc, after, LABEL)
     return state.with_doc(after)
-
-
-def with_clip_drafted(
-    state: EditorState,
-    frames: tuple[int, int],
-    body: Body,
-    poses: Mapping[int, Pose],
-    keypoints: KeypointFile | None,
-    proposals: Sequence[Proposal] = (),
-    up_camera: Position | None = None,
-    only: Collection[int] | None = None,
-    rest: record.DraftRest | None = None,
-    flipped: Sequence[record.FlippedDrafts] = (),
-) -> EditorState:
-    """Take over the drafts of a clip, as one step; see `drafted_session`."""
-    doc = drafted_session(
-        state.doc,
-        frames,
-        body,
-        poses,
-        keypoints,
-        proposals,
-        state.times_s,
-        up_camera,
-        only,
-        rest,
-        flipped,
-    )
-    return state.with_step(doc, LABEL)

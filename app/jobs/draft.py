@@ -7,26 +7,31 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.editor.drafted import (
     KEYPOINT_SOURCE,
+    LABEL,
+    drafted_session,
     frame_runs,
     frames_of,
     keeps_proportions,
     require_draftable,
     require_rest,
-    with_clip_drafted,
 )
+from keypose.app.editor.shown import shown_pose
 from keypose.app.jobs.fit import Fit, filmed_by, sent
 from keypose.app.jobs.job import Context
 from keypose.app.jobs.progress import seconds_left
+from keypose.tracker.body.pose import joint_positions, pose_transforms
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.detect import STRETCH, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import DraftRest as DraftLeft
@@ -45,6 +50,7 @@ if TYPE_CHECKING:
     from keypose.app.editor.actions import Draft, DraftRest
     from keypose.app.editor.state import EditorState
     from keypose.app.state.app_state import AppState
+    from keypose.tracker.body.pose import Pose
     from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
 
 FEWEST_KEPT = STRETCH
@@ -241,6 +247,12 @@ def _outlined(draft: ClipDraft, session: Session) -> ClipDraft:
     return replace(draft, keypoints=replace(keypoints, masks=masks))
 
 
+KNOWN: Final = ("keyframe", "draft", "tracked", "between")
+"""Where a pose comes from that says where a person is."""
+LEAST_BOX_PX: Final = 8.0
+"""A body of which less is in the picture is nobody to mistake."""
+
+
 @dataclass(frozen=True)
 class DraftClip(Fit):
     """frame, box: the frame of the box, and left, top, right, bottom in pixels.
@@ -249,6 +261,8 @@ class DraftClip(Fit):
     proportions: whether the body's limbs may be scaled to the person's.
     up_camera: what is known to be up; drafts stay where that changes meanwhile.
     rest: runs of the frames to take over, where an earlier draft has left them; None: all.
+    others: boxes around more people, each of whom becomes a body.  beside: around the bodies that
+        are there already, so that nobody is taken for one of them.
     """
 
     frame: int
@@ -257,6 +271,8 @@ class DraftClip(Fit):
     proportions: bool
     up_camera: Position | None = None
     rest: tuple[FrameRun, ...] | None = None
+    others: tuple[Box, ...] = ()
+    beside: tuple[Box, ...] = ()
 
     asked = ("draft", "draft_rest")
     kind = "draft"
@@ -274,15 +290,25 @@ class DraftClip(Fit):
             rest = require_rest(doc)
             ends = rest.frames[0].first_frame, rest.frames[-1].last_frame
             frames = min(rest.frame, ends[0]), max(rest.frame, ends[1])
-            return cls(
-                *work_inputs, rest.frame, rest.box, frames, False, doc.world.up_world, rest.frames
-            )
+            at = rest.frame, rest.box
+            beside = boxes_beside(edit, rest.frame)
+            up = doc.world.up_world
+            return cls(*work_inputs, *at, frames, False, up, rest.frames, beside=beside)
         frames = (action.first or 0, last if action.last is None else action.last)
-        require_draftable(doc, action.frame, action.box, frames)
-        box, proportions = action.box, not keeps_proportions(doc)
-        return cls(*work_inputs, action.frame, box, frames, proportions, doc.world.up_world)
+        for box in (action.box, *action.others):
+            require_draftable(doc, action.frame, box, frames)
+        at, proportions = (action.frame, action.box), not keeps_proportions(doc)
+        return cls(
+            *work_inputs,
+            *at,
+            frames,
+            proportions,
+            doc.world.up_world,
+            others=action.others,
+            beside=boxes_beside(edit, action.frame),
+        )
 
-    def work(self, session: Session, context: Context) -> Drafted:
+    def work(self, session: Session, context: Context) -> list[Drafted]:
         began = time.monotonic()
 
         def report(progress: DraftProgress) -> None:
@@ -290,53 +316,99 @@ class DraftClip(Fit):
             left = seconds_left(time.monotonic() - began, share)
             context.report(share, words, seconds_left=left)
 
-        return drafted(
+        people = drafted_people(
             session,
             context.cache.video(session, self.video_path),
             self.frame,
-            self.box,
+            (self.box, *self.others, *self.beside),
             self.frames,
             proportions=self.proportions,
             report=report,
             cancelled=context.cancelled,
         )
+        return people[: 1 + len(self.others)]
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return doc.subject.body, *filmed_by(doc), doc.view.surface, doc.subject.keyframes
 
-    def apply(self, result: Drafted, state: AppState) -> tuple[AppState, str]:
+    def apply(self, result: list[Drafted], state: AppState) -> tuple[AppState, str]:
         assert state.opened is not None
         after = self.taken(result, state.editing, Path(state.opened.session_path))
         return replace(state, edit=after, draft=after.doc), ""
 
-    def taken(self, result: Drafted, edit: EditorState, path: Path) -> EditorState:
-        """The state with the drafts, their keypoints written beside the session; KeyposeError where
-        that is not possible. path: of the session's file."""
+    def taken(self, result: Sequence[Drafted], edit: EditorState, path: Path) -> EditorState:
+        """The state with the drafts, each person's keypoints written beside the session;
+        KeyposeError where that is not possible. path: of the session's file."""
+        make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit
+        posed, (first, *more) = edit.doc.subject, result
+        together = len(result) + len(self.beside) > 1
+        doc = self._with_drafts(edit.doc, first, self.box, edit.times_s, path, together)
+        for box, each in zip(self.others, more, strict=True):
+            doc, added = doc.with_new_body(posed.body, posed.body.name)
+            doc = self._with_drafts(doc.about(added.id), each, box, edit.times_s, path, together)
+        return edit.with_step(doc.about(posed.id), LABEL)
+
+    def _with_drafts(
+        self, doc: Session, result: Drafted, box: Box, times_s: Array, path: Path, together: bool
+    ) -> Session:
+        """The session with the drafts of the body that is posed."""
         draft, network, detected = result
         first, last = self.frames
         asked = range(first, last + 1) if self.rest is None else frames_of(self.rest)
-        only, rest = taken_and_left(asked, detected, self.frame, self.box)
-        make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit
+        only, rest = taken_and_left(asked, detected, self.frame, box)
         seeds, keypoints = {self.frame}, draft.keypoints
-        before = _keypoints_before(edit.doc, path, network)
-        if before is not None and edit.doc.view.keypoints is not None:
-            seeds |= set(edit.doc.view.keypoints.seeds)
+        before = _keypoints_before(doc, path, network)
+        if before is not None and doc.view.keypoints is not None:
+            seeds |= set(doc.view.keypoints.seeds)
             keypoints = before.overlaid(keypoints)
         referring = save_keypoints(
-            edit.doc, path, keypoints, KEYPOINT_SOURCE, network=network, seeds=tuple(seeds)
+            doc,
+            path,
+            keypoints,
+            KEYPOINT_SOURCE,
+            network=network,
+            seeds=tuple(seeds),
+            together=together,
         )
-        return with_clip_drafted(
-            edit,
+        return drafted_session(
+            doc,
             self.frames,
             draft.body,
             draft.poses,
             referring.view.keypoints,
             draft.proposals,
+            times_s,
             self.up_camera,
             only,
             rest,
             draft.flipped,
         )
+
+
+def boxes_beside(edit: EditorState, frame: int) -> tuple[Box, ...]:
+    """Around the people that are posed at a frame already, but the one that is posed."""
+    boxes = []
+    for body in edit.doc.bodies:
+        if body.id == edit.doc.subject.id or not is_persons(body.body):
+            continue
+        alone = edit.about(body.id)
+        shown = shown_pose(alone, frame)
+        if shown.source in KNOWN:
+            boxes.append(_box_around(alone, shown.pose, frame))
+    return tuple(box for box in boxes if box is not None)
+
+
+def _box_around(edit: EditorState, pose: Pose, frame: int) -> Box | None:
+    """What is seen of a body in the film; None where it is not within the picture."""
+    camera = edit.doc.film_camera.at(frame)
+    joints = joint_positions(edit.skeleton, pose_transforms(edit.skeleton, pose))
+    uv = camera.project(joints)
+    size = np.array([camera.width, camera.height]) - 0.5
+    low, high = np.clip(uv.min(axis=0), -0.5, size), np.clip(uv.max(axis=0), -0.5, size)
+    if (high - low).min() < LEAST_BOX_PX:
+        return None
+    left, top, right, bottom = np.concatenate([low, high]).tolist()
+    return left, top, right, bottom
 
 
 def taken_and_left(

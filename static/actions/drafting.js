@@ -75,10 +75,23 @@ export const whyNotDraftRest = () => (restCount() ? whyNotDrafting() : 'No frame
 
 /** What is sent: the box as it lies over the frame of the playhead. */
 export function draftMessage() {
-  const box = ui.box.map((side) => Math.round(10 * side) / 10);
-  const [first, last] = draftRange();
-  return { do: 'draft', frame: frame(), box, ...(draftCount() === frameCount() ? {} : { first, last }) };
+  return { do: 'draft', frame: frame(), box: rounded(ui.box), ...framesAsked() };
 }
+
+function framesAsked() {
+  const [first, last] = draftRange();
+  return draftCount() === frameCount() ? {} : { first, last };
+}
+
+/** @param {number[]} box */
+const rounded = (box) => box.map((side) => Math.round(10 * side) / 10);
+
+/** The same of all people in these boxes: each becomes a body. @param {number[][]} boxes */
+export function draftAllMessage([box, ...others]) {
+  return { do: 'draft', frame: frame(), box: rounded(box), others: others.map(rounded), ...framesAsked() };
+}
+
+export const whyNotDraftAll = (many) => whyNotDrafting() || (many > 1 ? whyNotHere() : 'Only one person is found here');
 
 /** What to say of a box around somebody small, or ''. */
 export function smallWords() {

@@ -79,5 +79,5 @@ export function peopleWords() {
   if (isNobodyHere()) return 'No person found in this frame. Draw a box, or choose another frame.';
   const { length } = peopleHere();
   if (length === 1) return 'One person found. Press Enter, or click.';
-  return length ? `${length} people found. Click the one to draft; Enter takes the tallest.` : '';
+  return length ? `${length} people found. Click the one to draft; Shift Enter drafts all.` : '';
 }

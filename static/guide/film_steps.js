@@ -2,7 +2,7 @@
 // confirm. The lens is one of six kinds of camera, by keys 1 to 6, a focal length on a slider, or what the file says.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { labelOf, perform, whyNot } from '../actions/actions.js';
+import { labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { cameraFindings, cameraKind, cameraWords, hasFrames, isFindingCamera } from '../actions/camera.js';
 import { draftTimeWords, placesWords, smallWords } from '../actions/drafting.js';
 import {
@@ -27,7 +27,7 @@ import { shortNumber } from '../controls/arithmetic.js';
 import { numberField, slider } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { pendingOr } from '../controls/value.js';
-import { draftFromBox, sizeWords } from '../handles/box.js';
+import { draftEverybody, draftFromBox, sizeWords } from '../handles/box.js';
 import { send } from '../store/link.js';
 import { server, setUi, ui } from '../store/state.js';
 import { view } from '../views/views.js';
@@ -310,8 +310,15 @@ function foundLine() {
   return words ? html`<p class="${isNobodyHere() ? 'note warned' : 'note'}">${words}</p>` : nothing;
 }
 
+/** All of them at once. */
+function everybodyLine() {
+  if (peopleHere().length < 2) return nothing;
+  return html`<div class="row"><button type="button" class="btn sm" title=${titleOf('draftAll')}
+    @click=${draftEverybody}>${labelOf('draftAll')}</button></div>`;
+}
+
 function personLine() {
-  if (!ui.box) return html`${foundLine()}${heightLine()}${otherLine()}`;
+  if (!ui.box) return html`${foundLine()}${everybodyLine()}${heightLine()}${otherLine()}`;
   const small = smallWords();
   return html`<div class="row filesays ${small ? 'warned' : 'good'}">${icon(small ? 'warn' : 'check')}
     <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>${heightLine()}`;

@@ -85,7 +85,7 @@ export const box = {
     if (hold) setUi('box', hold.before);
     interaction.sketch.hold = null;
   },
-  key: (event, name) => (name === 'enter' ? enter() : moveByKey(event, name)),
+  key: (event, name) => (name === 'enter' ? enter(event.shiftKey) : moveByKey(event, name)),
   cursor(view) {
     const { hold, pointer } = interaction.sketch;
     const grip = hold ? hold.grip : gripAt(view, pointer);
@@ -128,17 +128,24 @@ function moveByKey({ altKey, shiftKey }, name) {
 }
 
 /** Enter on a control that was reached with Tab is that control's. */
-function enter() {
+function enter(isForAll) {
   if (keepsKey('Enter') || !(ui.box || personMeant())) return false;
-  if (ui.box) draftFromBox();
+  if (isForAll && peopleHere().length > 1) draftEverybody();
+  else if (ui.box) draftFromBox();
   else takePerson();
   return true;
 }
 
 /** Draft from the box, which is done with. */
-export function draftFromBox() {
-  const why = whyNot('draft');
-  perform('draft');
+export const draftFromBox = () => draftBy('draft');
+
+/** Draft everybody who was found. */
+export const draftEverybody = () => draftBy('draftAll');
+
+/** @param {'draft' | 'draftAll'} action */
+function draftBy(action) {
+  const why = whyNot(action);
+  perform(action);
   if (why) return;
   setUi('draftRange', null);
   leaveSketch();

@@ -28,7 +28,7 @@ export function bodyChips() {
 export const addBody = (kind) =>
   dropdown({
     label: 'Add a body',
-    text: 'Add…',
+    text: '+',
     kind,
     value: null,
     title: titleOf('addBody'),

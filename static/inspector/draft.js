@@ -19,7 +19,8 @@ import {
 import { button } from '../controls/fields.js';
 import { textField } from '../controls/buttons.js';
 import { icon } from '../controls/icons.js';
-import { draftFromBox, drawBoxAt, sizeWords } from '../handles/box.js';
+import { peopleHere } from '../actions/people.js';
+import { draftEverybody, draftFromBox, drawBoxAt, sizeWords } from '../handles/box.js';
 import { drawingButton, fact, line, section } from './section.js';
 
 export function draft() {
@@ -117,5 +118,19 @@ function begun() {
       kind: 'pri full',
       off: whyNot('draft'),
       act: draftFromBox,
-    })}${time(draftCount())}`;
+    })}${everybody()}${time(draftCount())}`;
+}
+
+/** Where several people were found, all of them at once. */
+export function everybody() {
+  const { length } = peopleHere();
+  if (length < 2) return nothing;
+  return button({
+    name: 'person',
+    label: labelOf('draftAll'),
+    title: titleOf('draftAll'),
+    kind: 'full',
+    off: whyNot('draftAll'),
+    act: draftEverybody,
+  });
 }

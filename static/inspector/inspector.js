@@ -46,6 +46,7 @@ const SHOWN = [
   'errors',
   'space',
   'draft',
+  'people',
   'job',
   'lanes',
   'masks',

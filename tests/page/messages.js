@@ -17,6 +17,10 @@ ui.box = [10, 20, 30, 80];
 const kept = { id: '0123456789ab', name: 'Sitting', fits: true };
 const about = {
   addBody: 'adult_male',
+  draftAll: [
+    [10, 20, 30, 80],
+    [40, 20, 60, 80],
+  ],
   insertPose: kept,
   insertMirrored: kept,
   openRecent: { id: 'a' },

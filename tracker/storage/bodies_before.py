@@ -9,9 +9,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from keypose.tracker.body.pose import pose_transforms
-from keypose.tracker.body.raster import BodyMesh
 from keypose.tracker.body.skeleton import Skeleton
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.keyframe import Keyframe
 from keypose.tracker.session.schema import Session
@@ -75,15 +74,17 @@ def _extent(session: Session, body: TrackedBody, keyframes: Sequence[Keyframe]) 
 @lru_cache(maxsize=4096)
 def _extent_at(keyframe: ById, body: ById, lens: ById, zoom: float) -> Extent:
     """Cached: asked for after every edit, of every segment."""
-    mesh, skeleton = _mesh(body)
+    skeleton, vertices = _shapes(body)
     Ts = pose_transforms(skeleton, keyframe.it.pose(skeleton))
-    p_camera = mesh.posed(Ts)
+    p_camera = np.concatenate(
+        [apply_transform(T, points) for T, points in zip(Ts, vertices, strict=True)]
+    )
     camera = lens.it.zoomed(zoom).without_distortion()
     uv, depths = camera.project(p_camera), camera.depth(p_camera)
     return Extent(uv.min(axis=0), uv.max(axis=0), float(depths.min()), float(depths.max()))
 
 
 @lru_cache(maxsize=32)
-def _mesh(body: ById) -> tuple[BodyMesh, Skeleton]:
-    skeleton = Skeleton.of(body.it)
-    return BodyMesh.of(skeleton), skeleton
+def _shapes(body: ById) -> tuple[Skeleton, tuple[Array, ...]]:
+    """The body, and the corners of each part's shape in the part's frame."""
+    return Skeleton.of(body.it), tuple(part.shape.mesh().vertices for part in body.it.parts)

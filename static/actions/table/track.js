@@ -5,14 +5,17 @@ import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
 import { words } from '../../store/clip.js';
 import {
+  draftAllMessage,
   draftLabel,
   draftMessage,
   draftTimeWords,
   restCount,
   whyNotDraft,
+  whyNotDraftAll,
   whyNotDraftRest,
   whyNotDrawBox,
 } from '../drafting.js';
+import { peopleHere } from '../people.js';
 import { nextProblem, problems } from '../playhead.js';
 import { beginReduction, whyNotReduce } from '../proposals.js';
 import {
@@ -206,6 +209,14 @@ export const TRACK = {
     title: () =>
       ['Find the person in every frame and pose the body there', draftTimeWords()].filter(Boolean).join('. '),
     message: draftMessage,
+  },
+  draftAll: {
+    also: 'automatic auto detect everybody everyone several people pair dance',
+    label: () => `Draft all ${peopleHere().length || ''} people`.replace('  ', ' '),
+    icon: 'person',
+    title: 'Follow everybody together: each becomes a body, and nobody is taken for another',
+    off: () => whyNotDraftAll(peopleHere().length),
+    message: (boxes = peopleHere()) => draftAllMessage(boxes),
   },
   draftRest: {
     also: 'automatic auto detect remaining continue resume',

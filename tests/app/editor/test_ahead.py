@@ -12,7 +12,7 @@ from keypose.app.editor.actions import ACTIONS
 from keypose.app.editor.advice import Suggestion, next_step, with_way_ahead
 from keypose.app.editor.ahead import found_sentence, start_frame, with_followed
 from keypose.app.editor.documents import ActionRefused
-from keypose.app.editor.drafted import with_clip_drafted
+from keypose.app.editor.drafted import LABEL, drafted_session
 from keypose.app.editor.shown import shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.trajectory import Trajectory
@@ -167,7 +167,9 @@ def test_a_pose_of_ones_own_stays() -> None:
 def test_drafting_the_whole_film_takes_its_place() -> None:
     state = followed(40)
     poses = {30: shown_pose(state, 30).pose}
-    drafted = with_clip_drafted(state, (28, 32), state.doc.subject.body, poses, None)
+    body, times_s = state.doc.subject.body, state.times_s
+    doc = drafted_session(state.doc, (28, 32), body, poses, None, (), times_s, None)
+    drafted = state.with_step(doc, LABEL)
     assert drafts(drafted.doc) == [30]
     assert not drafted.doc.subject.ahead
 

@@ -55,7 +55,7 @@ def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> Draft
 def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
     *progress, end = reported(order(content))
     assert isinstance(end, Finished)
-    draft, network, detected = end.result
+    draft, network, detected = end.result[0]
     assert detected is None
     assert sorted(draft.poses) == list(range(5))
     assert network
@@ -124,11 +124,11 @@ def test_a_draft_that_is_cancelled_later_keeps_what_the_network_has_seen(
     *progress, end = reported(job, leave_at=30)
     assert isinstance(end, Finished)
     assert not end.cancelled
-    first, last = end.result.detected
+    first, last = end.result[0].detected
     assert first <= at <= last
     assert 16 <= last - first + 1 < 40
-    assert {*end.result.draft.poses} <= {*range(first, last + 1)}
-    assert len(end.result.draft.poses) > 10
+    assert {*end.result[0].draft.poses} <= {*range(first, last + 1)}
+    assert len(end.result[0].draft.poses) > 10
     shares = [report.share for report in progress if isinstance(report, Progress)]
     assert shares == sorted(shares)
 

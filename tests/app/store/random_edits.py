@@ -265,7 +265,7 @@ class RandomEdits:
             proposals = (DraftProposal(frames[0], "start"),)
             judged: Any = None
             draft = ClipDraft(body, dict.fromkeys(frames, pose), keypoints, proposals, judged)
-            return Drafted(draft, "abc", None)
+            return [Drafted(draft, "abc", None)]
         if isinstance(job, FindCamera):
             return FoundCamera("turns", _panning(last + 1), None, (), None)
         if isinstance(job, FollowAhead):

@@ -75,7 +75,7 @@ class Desk(StoreDesk):
         proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
         judged: Any = None
         draft = ClipDraft(BODY, dict.fromkeys(frames, pose), keypoints, proposals, judged, flipped)
-        Worker.newest.end(Drafted(draft, "abc", detected))
+        Worker.newest.end([Drafted(draft, "abc", detected)])
 
     def move_drafts(self, by_m: float) -> None:
         """All drafts to the right."""
