@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, model_validato
 from keypose.app.editor import (
     bodies,
     body,
+    bonds,
     camera,
     copy_paste,
     films,
@@ -357,6 +358,7 @@ MESSAGES = tuple(
     for subject in (
         bodies,
         body,
+        bonds,
         camera,
         copy_paste,
         films,

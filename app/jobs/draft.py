@@ -290,23 +290,17 @@ class DraftClip(Fit):
             rest = require_rest(doc)
             ends = rest.frames[0].first_frame, rest.frames[-1].last_frame
             frames = min(rest.frame, ends[0]), max(rest.frame, ends[1])
-            at = rest.frame, rest.box
-            beside = boxes_beside(edit, rest.frame)
-            up = doc.world.up_world
-            return cls(*work_inputs, *at, frames, False, up, rest.frames, beside=beside)
+            only = cls(
+                *work_inputs, rest.frame, rest.box, frames, False, doc.world.up_world, rest.frames
+            )
+            return replace(only, beside=boxes_beside(edit, rest.frame))
         frames = (action.first or 0, last if action.last is None else action.last)
         for box in (action.box, *action.others):
             require_draftable(doc, action.frame, box, frames)
-        at, proportions = (action.frame, action.box), not keeps_proportions(doc)
-        return cls(
-            *work_inputs,
-            *at,
-            frames,
-            proportions,
-            doc.world.up_world,
-            others=action.others,
-            beside=boxes_beside(edit, action.frame),
-        )
+        box, proportions = action.box, not keeps_proportions(doc)
+        only = cls(*work_inputs, action.frame, box, frames, proportions, doc.world.up_world)
+        beside = boxes_beside(edit, action.frame)
+        return replace(only, others=action.others, beside=beside)
 
     def work(self, session: Session, context: Context) -> list[Drafted]:
         began = time.monotonic()

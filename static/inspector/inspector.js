@@ -58,6 +58,7 @@ const SHOWN = [
   'poses',
   'u:timeKeys',
   'pins',
+  'bonds',
   'proposed_pins',
   'floor',
   'camera_motion',

@@ -10,6 +10,7 @@ import { send } from '../store/link.js';
 import { selectedPart } from '../store/parts.js';
 import { server } from '../store/state.js';
 import { isSurface } from '../store/clip.js';
+import { bonds } from './bonds.js';
 import { floor, pins, pinsComeFirst } from './pins.js';
 import { rotation } from './rotation.js';
 import { measure, section } from './section.js';
@@ -125,7 +126,7 @@ function drawStroke([side, x0, y0, x1, y1, width]) {
 export function partTab() {
   const part = selectedPart();
   if (!part) return html`${limbs()}${poseFields()}${poses()}`;
-  const pinned = isSurface() ? nothing : html`${pins(part)}${floor(part)}`;
+  const pinned = isSurface() ? nothing : html`${bonds(part)}${pins(part)}${floor(part)}`;
   const isFirst = pinsComeFirst(part);
   return html`${limbs()}${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${poseFields()}${size(part)}${isFirst ? nothing : pinned}${poses()}`;
 }

@@ -561,8 +561,22 @@
  * @property {boolean} posed
  * @property {string} colour
  * @property {number[]} keys  Frames of its keyframes.
+ * @property {{ name: string, label: string }[]} parts
  * @property {'good' | 'check' | 'lost' | null} worst  The verdict on its worst segment.
  * @property {number} open  How many of its segments have no verdict.
+ */
+
+/** @typedef {{ body: string, name: string, part: string, label: string }} BondEnd  name: of the body. */
+/**
+ * @typedef {object} Bond  Two points that meet.
+ * @property {number} index  Among all of the session.
+ * @property {BondEnd} holder
+ * @property {BondEnd} held
+ * @property {number} first
+ * @property {number} last
+ * @property {'both' | 'holder' | 'held'} moves
+ * @property {number} apart_cm  How far apart they are at most.
+ * @property {number} worst  The frame at which they are.
  */
 
 /** @typedef {{ frame: number, text: string }} Note  Without words a flag. */
@@ -610,6 +624,7 @@
  * @property {Ghost[]} ghosts  The keyframes beside the present frame, where ghosts are shown.
  * @property {Record<string, Solid> | null} solids  Of every part.
  * @property {BodyOfScene[]} bodies  All of the scene.
+ * @property {Bond[]} bonds  Those that hold the posed body.
  * @property {Record<string, Record<string, Solid>>} solids_beside  Of each body that is not posed, by its id.
  * @property {Record<string, Record<string, number[]>>} poses_beside  T of its parts, likewise.
  * @property {{ solids: Record<string, Solid>, T: Record<string, number[]> } | null} before  The body that new sizes are compared with.

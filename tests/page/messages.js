@@ -6,6 +6,7 @@ import { ACTIONS } from '../../static/actions/table.js';
 
 server.file = { frames: 60, id: '0123456789abcdef' };
 server.view = { frame: 4, selected: 'left_hand', mode: 'both' };
+server.body = { parts: [{ name: 'left_hand', landmarks: [] }] };
 server.keys = { frames: [0, 8], drafts: [] };
 server.films = [{ id: 'film-2', begins: 3.4, also: [31.5] }];
 server.bodies = [

@@ -71,17 +71,17 @@ def _motions(session: Session) -> list[Trajectory]:
     ]
 
 
-def _regions(session: Session, other: Moving, own: Moving) -> Iterator[IgnoreMask]:
-    """Where the other body is before the own one, in each frame of both motions."""
+def _regions(session: Session, nearer: Moving, own: Moving) -> Iterator[IgnoreMask]:
+    """Where another body is before the own one, in each frame of both motions."""
     camera = session.view.camera
     height_px = max(1, round(WIDTH_PX * camera.height / camera.width))
-    meshes = [BodyMesh.of(skeleton) for skeleton, _ in (other, own)]
-    first = max(motion.first_frame for _, motion in (other, own))
-    last = min(motion.last_frame for _, motion in (other, own))
+    meshes = [BodyMesh.of(skeleton) for skeleton, _ in (nearer, own)]
+    first = max(motion.first_frame for _, motion in (nearer, own))
+    last = min(motion.last_frame for _, motion in (nearer, own))
     for frame in range(first, last + 1):
         lens = session.film_camera.at(frame)
         view = ViewCamera.of(lens).resized(WIDTH_PX, height_px)
-        Ts = [pose_transforms(skeleton, motion.pose(frame)) for skeleton, motion in (other, own)]
+        Ts = [pose_transforms(skeleton, motion.pose(frame)) for skeleton, motion in (nearer, own)]
         boxes = [_box(view, mesh.posed(T)) for mesh, T in zip(meshes, Ts, strict=True)]
         if not _overlap(*boxes):
             continue
@@ -103,8 +103,8 @@ def _box(view: ViewCamera, p_eye: Array) -> Array:
     return np.array([uv.min(axis=0), uv.max(axis=0)])
 
 
-def _overlap(one: Array, other: Array) -> bool:
-    return bool((np.maximum(one[0], other[0]) < np.minimum(one[1], other[1])).all())
+def _overlap(first: Array, second: Array) -> bool:
+    return bool((np.maximum(first[0], second[0]) < np.minimum(first[1], second[1])).all())
 
 
 def _outlines(region: NDArray[np.bool_]) -> Iterator[Array]:

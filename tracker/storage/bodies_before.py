@@ -42,9 +42,12 @@ def keyframes_before(
         posed = [] if body.id == session.subject.id else _around(body.keyframes, span)
         if len(posed) < 2:
             continue
-        other = _extent(session, body, posed)
-        low, high = np.maximum(own.low - wider, other.low), np.minimum(own.high + wider, other.high)
-        if (low < high).all() and other.nearest_m < own.farthest_m:
+        beside = _extent(session, body, posed)
+        low, high = (
+            np.maximum(own.low - wider, beside.low),
+            np.minimum(own.high + wider, beside.high),
+        )
+        if (low < high).all() and beside.nearest_m < own.farthest_m:
             before.append((body, posed))
     return before
 

@@ -16,6 +16,7 @@ from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import (
     angle_values,
     body_values,
+    bond_values,
     camera_values,
     evidence_values,
     film_values,
@@ -56,6 +57,11 @@ def _other_films(doc: Session | None) -> tuple[Any, ...]:
 def _posed(app_state: AppState) -> tuple[Any, ...]:
     """Which body is posed."""
     return () if app_state.edit is None else (app_state.edit.doc.subject.id,)
+
+
+def _bonds(app_state: AppState) -> tuple[Any, ...]:
+    """The bonds, without a gesture under way."""
+    return () if app_state.edit is None else app_state.edit.settled.bonds
 
 
 def _bodies(app_state: AppState) -> tuple[Any, ...]:
@@ -238,6 +244,7 @@ SECTIONS: dict[str, _Section] = {
     ),
     "solids": _Section(_doc("body"), space_values.solids),
     "bodies": _Section(_both(_TRACKED, _bodies), scene_bodies.bodies),
+    "bonds": _Section(_both(_TRACKED, _bodies, _bonds), bond_values.bonds),
     "solids_beside": _Section(_bodies, scene_bodies.solids_beside),
     "poses_beside": _Section(_both(_bodies, _TRACKED, _edit("frame")), scene_bodies.poses_beside),
     "before": _Section(_edit("compared", "frame", "results"), space_values.before),
@@ -310,7 +317,9 @@ PLACES: Mapping[str, str] = {
         ),
         "the timeline",
     ),
-    **dict.fromkeys(("pins", "proposed_pins", "still", "floor", "feet", "space"), "the floor"),
+    **dict.fromkeys(
+        ("pins", "bonds", "proposed_pins", "still", "floor", "feet", "space"), "the floor"
+    ),
     **dict.fromkeys(("masks", "cues", "networks", "keypoints", "settings"), "the settings"),
     **dict.fromkeys(("review",), "the review"),
     **dict.fromkeys(("fit", "reduction", "draft", "job"), "the progress of the work"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from keypose.app.editor.shown import transforms_beside
 from keypose.app.editor.state import EditorState
+from keypose.app.posing import part_label
 from keypose.app.render.palette import body_colour
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json
@@ -28,6 +29,7 @@ def bodies(app_state: AppState) -> Json:
             "posed": body.id == edit.doc.subject.id,
             "colour": _hex(place),
             "keys": [keyframe.frame for keyframe in body.keyframes],
+            "parts": [{"name": name, "label": part_label(name)} for name in body.body.names],
             **_tracked(edit.about(body.id)),
         }
         for place, body in enumerate(doc.bodies)

@@ -1,5 +1,6 @@
 // The bodies of the scene.
 
+import { bondMessage, letGoMessage, whyNoBond, whyNotBond } from '../bonds.js';
 import { addMessage, poseMessage, removeMessage, renameBody, whyNoOther, whyNotAddBody } from '../bodies.js';
 
 /** @typedef {import('./action.js').Action} Action */
@@ -22,6 +23,23 @@ export const BODIES = {
     title: 'One more body in this film, with keyframes of its own',
     off: whyNotAddBody,
     message: addMessage,
+  },
+  bond: {
+    label: 'Hold the nearest',
+    icon: 'hand',
+    also: 'bond grip grasp attach constrain touch contact handshake parent',
+    title: 'The selected part and the nearest one of another body meet from here on, as long as they are as near',
+    keys: ['Shift G'],
+    off: () => whyNotBond(),
+    message: bondMessage,
+  },
+  letGo: {
+    label: 'Let go',
+    icon: 'x',
+    also: 'bond release detach',
+    title: 'They do not meet any more',
+    off: (index) => (index === undefined ? whyNoBond() : ''),
+    message: letGoMessage,
   },
   nameBody: {
     label: 'Rename body',
