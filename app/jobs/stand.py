@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 from keypose.app.editor.documents import softened
 from keypose.app.jobs.find_up import SeenLines, seen_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.state.outcomes import FoundUp
-from keypose.app.words.standing import standing_words
-from keypose.tracker.errors import KeyposeError
+from keypose.app.words.bodies import body_names
+from keypose.app.words.standing import bodies_stand_words
+from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session import Session
+from keypose.tracker.session.schema import World
 from keypose.tracker.storage.fingerprints import Span
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -91,12 +94,32 @@ def _seen(session: Session, path: Path) -> UpEvidence | None:
         return seen_lines(session, video).evidence
 
 
+def stood_beside(
+    session: Session, world: World, stand_there: Callable[[Session], Standing]
+) -> Standing:
+    """A body in the world where another one stands already, whose floor and up stay."""
+    as_set = world.model_copy(update={"up_from": (*world.up_from, "set")})
+    done = stand_there(session.model_copy(update={"world": as_set}))
+    return replace(done, session=done.session.model_copy(update={"world": world}))
+
+
+class EachStood(NamedTuple):
+    """How every body stands, by id, the one whose floor it is first; why some do not; and what was
+    seen of up."""
+
+    standing: dict[str, Standing]
+    refused: dict[str, str]
+    seen: SeenLines
+
+
 @dataclass(frozen=True)
 class StandOnFloor(Fit):
-    """fitting: what was tracked, by segment.  frame: the present one, whose lines are shown of a
-    camera that moves."""
+    """fittings: what was tracked of each body, by segment, by the body's id, the one that is posed
+    first.  frame: the present one, whose lines are shown of a camera that moves."""
 
-    fitting: Mapping[Span, SegmentResult] = field(default_factory=dict, compare=False)
+    fittings: Mapping[str, Mapping[Span, SegmentResult]] = field(
+        default_factory=dict, compare=False
+    )
     frame: int = field(default=0, compare=False)
 
     asked = ("stand",)
@@ -107,15 +130,40 @@ class StandOnFloor(Fit):
 
     @classmethod
     def of(cls, opened: OpenSession, edit: EditorState, _: Stand) -> Self:
-        return cls(*sent(opened, edit.doc), edit.finished, edit.frame)
+        posed = edit.doc.subject.id
+        fittings = {posed: edit.finished}
+        for body in edit.doc.bodies:
+            if body.id != posed and (fitting := edit.about(body.id).finished):
+                fittings[body.id] = fitting
+        return cls(*sent(opened, edit.doc), fittings, edit.frame)
 
-    def work(self, session: Session, context: Context) -> tuple[Standing, SeenLines]:
+    def work(self, session: Session, context: Context) -> EachStood:
         from keypose.tracker.operations.stand import stand  # loads what only this needs
 
-        seen_upright = seen_lines(
-            session, context.cache.video(session, self.video_path), self.frame
-        )
-        return stand(session, self.fitting, seen_upright.evidence, context.cancelled), seen_upright
+        video = context.cache.video(session, self.video_path)
+        seen_upright = seen_lines(session, video, self.frame)
+        standing, refused, whole = dict[str, Standing](), dict[str, str](), session
+        for body_id, fitting in self.fittings.items():
+            stand_there = partial(
+                stand,
+                fitting=fitting,
+                up_evidence=seen_upright.evidence,
+                cancelled=context.cancelled,
+            )
+            about = whole.about(body_id)
+            try:
+                done = (
+                    stood_beside(about, whole.world, stand_there)
+                    if standing
+                    else stand_there(about)
+                )
+            except SessionError as error:
+                refused[body_id] = str(error)
+                continue
+            standing[body_id], whole = done, done.session
+        if not standing:
+            raise SessionError(next(iter(refused.values())))
+        return EachStood(standing, refused, seen_upright)
 
     def inputs(self, doc: Session) -> tuple[Any, ...]:
         return (
@@ -123,23 +171,31 @@ class StandOnFloor(Fit):
             doc.view.camera,
             doc.subject.part_keyframes,
             *(doc.value(name) for name in CHANGED),
+            *(body for body in doc.bodies if body is not doc.subject),
         )
 
-    def apply(self, result: tuple[Standing, SeenLines], state: AppState) -> tuple[AppState, str]:
-        done, seen_upright = result
+    def apply(self, result: EachStood, state: AppState) -> tuple[AppState, str]:
+        standing, refused, seen_upright = result
         edit = state.editing
-        fields = {name: done.session.value(name) for name in CHANGED if name != "keyframes"}
-        keyframes = (
-            softened(keyframe, "depth" if keyframe.frame in done.softened else keyframe.soft)
-            for keyframe in edit.doc.subject.keyframes
-        )
-        # Unchanged keyframes stay the same objects, by which others see that nothing changed.
-        fields["keyframes"] = tuple(keyframes)
-        after = edit.with_step(edit.doc.changed(fields), LABEL)
+        doc, posed = edit.doc, edit.doc.subject.id
+        for body_id, done in standing.items():
+            doc = _as_stood(doc.about(body_id), done)
+        after = edit.with_step(doc.about(posed), LABEL)
         # Sources that disagree are shown on a card, where a person chooses one.
-        up = (
-            FoundUp(done.up, seen_upright.lines, seen_upright.frame, after.doc)
-            if done.up.apart
-            else None
+        up = next(iter(standing.values())).up
+        found_up = (
+            FoundUp(up, seen_upright.lines, seen_upright.frame, after.doc) if up.apart else None
         )
-        return replace(state, edit=after, up=up), standing_words(done)
+        words = bodies_stand_words(standing, refused, body_names(edit.doc))
+        return replace(state, edit=after, up=found_up), words
+
+
+def _as_stood(doc: Session, done: Standing) -> Session:
+    """The session with what standing changes of the body that is posed, and of the world."""
+    fields = {name: done.session.value(name) for name in CHANGED if name != "keyframes"}
+    # Unchanged keyframes stay the same objects, by which others see that nothing changed.
+    fields["keyframes"] = tuple(
+        softened(keyframe, "depth" if keyframe.frame in done.softened else keyframe.soft)
+        for keyframe in doc.subject.keyframes
+    )
+    return doc.changed(fields)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
@@ -100,3 +100,14 @@ def soles_words(soles: Soles) -> str:
 
 def _count(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def bodies_stand_words(
+    standing: Mapping[str, Standing], refused: Mapping[str, str], names: Mapping[str, str]
+) -> str:
+    """What standing did, of each of several bodies by its name; and why some do not stand."""
+    if len(standing) + len(refused) == 1:
+        ((_, done),) = standing.items()
+        return standing_words(done)
+    stand = [f"{names[body_id]}: {standing_words(done)}" for body_id, done in standing.items()]
+    return " ".join([*stand, *(f"{names[body_id]}: {why}" for body_id, why in refused.items())])

@@ -27,6 +27,8 @@ WIDTH_PX: Final = 320
 """Of the buffer: outlines of bodies are not known better than to some pixels of the film."""
 WIDER_SHARE: Final = 0.006
 """Of the film's width, by which a region is wider than the body: that is where it is about."""
+NEARER_M: Final = 0.1
+"""By so much a body has to be nearer to hide another one: depths are not known better."""
 LEAST_AREA_PX: Final = 4.0
 """Of a region, in the buffer."""
 
@@ -87,7 +89,7 @@ def _regions(session: Session, nearer: Moving, own: Moving) -> Iterator[IgnoreMa
             continue
         depth, own_depth = (raster(mesh, T, view).depth for mesh, T in zip(meshes, Ts, strict=True))
         behind = np.where(np.isfinite(own_depth), own_depth, Ts[1][0, 2, 3])
-        for polygon in _outlines(depth < behind):
+        for polygon in _outlines(depth < behind - NEARER_M):
             uv = (polygon + 0.5) * (camera.width / WIDTH_PX) - 0.5
             film = lens.project(lens.without_distortion().back_project(uv, 1.0))
             corners = tuple((float(u), float(v)) for u, v in film)

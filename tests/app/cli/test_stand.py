@@ -210,11 +210,13 @@ def three(path: Path) -> Path:
     there = session_of(SHOWN, moved, video=session.view.video)
     keyframes = tuple(k for k in there.subject.keyframes if k.frame <= 60)
     there = there.changed({"keyframes": keyframes})
-    second = save_results(there, path, results_of(there, moved)).subject
-    second = second.model_copy(update={"id": "second"})
+    second = there.subject.model_copy(update={"id": "second"})
     box = TrackedBody(id="crate", body=preset("box"))
-    bodies = (session.subject, second, box)
-    save_session(session.model_copy(update={"bodies": bodies}), path)
+    whole = session.model_copy(update={"bodies": (session.subject, second, box)})
+    for body_id, motion in (("body", MOTION), ("second", moved)):
+        about = whole.about(body_id)
+        whole = save_results(about, path, results_of(about, motion)).about("body")
+    save_session(whole, path)
     return path
 
 

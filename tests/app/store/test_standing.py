@@ -14,15 +14,16 @@ from keypose.app.editor.drafted import has_drafts_for_other_up
 from keypose.app.jobs.find_up import FindUp, SeenLines
 from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
-from keypose.app.jobs.stand import StandOnFloor
+from keypose.app.jobs.stand import EachStood, StandOnFloor, stood_beside
 from keypose.app.jobs.track import Track
 from keypose.app.state.outcomes import FoundUp
 from keypose.app.working import queue
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation
 from keypose.tracker.geometry.up import UpEvidence, combined
 from keypose.tracker.operations.solve_space import solved
-from keypose.tracker.operations.stand import Standing, stand
+from keypose.tracker.operations.stand import stand
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import Drafted
 from keypose.tracker.session.keyframe import Keyframe
@@ -93,10 +94,11 @@ class Desk(StoreDesk):
         return Worker.newest.fits[-1]
 
 
-def standing(doc: Session, at: Desk) -> tuple[Standing, SeenLines]:
+def standing(doc: Session, at: Desk) -> EachStood:
     """What standing finds, with lines that show what is up."""
     seen = SeenLines(upright(UP).evidence, upright(UP))
-    return stand(doc, at.order.fitting, seen.evidence), seen
+    ((body_id, fitting),) = at.order.fittings.items()
+    return EachStood({body_id: stand(doc, fitting, seen.evidence)}, {}, seen)
 
 
 @pytest.fixture
@@ -339,3 +341,41 @@ async def test_drafts_that_are_as_up_has_them_are_not_found_anew(at: Desk) -> No
     at.draft()
     at.do({"do": "lift"})
     assert not Worker.newest.fits
+
+
+def raised(doc: Session, by_m: float) -> tuple[Session, Trajectory]:
+    """A second body, posed and tracked as the first, 60 cm aside and so much higher."""
+    shift = np.array([0.6, -by_m, 0.0])
+    motion = Trajectory(0, MOTION.Rs_parent_part, MOTION.ps_camera_root + shift)
+    skeleton = Skeleton.of(doc.subject.body)
+    keyframes = tuple(
+        Keyframe.of(skeleton, motion.pose(k.frame), k.frame, k.time_s)
+        for k in doc.subject.keyframes
+    )
+    second = doc.subject.model_copy(update={"id": "body-2", "keyframes": keyframes})
+    return doc.model_copy(update={"bodies": (*doc.bodies, second)}), motion
+
+
+async def test_all_bodies_stand_on_one_floor_in_one_step(at: Desk) -> None:
+    doc, motion = raised(at.doc, 0.04)
+    at.store._set(edit=at.edit.with_doc(doc))
+    results = results_of(doc, MOTION)
+    for each in results_of(doc.about("body-2"), motion).by_key.values():
+        results = results.with_result(each)
+    at.know(results)
+    at.do({"do": "stand"})
+    fittings, seen = at.order.fittings, SeenLines(upright(UP).evidence, upright(UP))
+    assert list(fittings) == ["body", "body-2"]
+    first = stand(doc, fittings["body"], seen.evidence)
+    second = stood_beside(
+        first.session.about("body-2"),
+        first.session.world,
+        lambda there: stand(there, fittings["body-2"], seen.evidence),
+    )
+    Worker.newest.end(EachStood({"body": first, "body-2": second}, {}, seen))
+    stood = at.doc
+    assert all(body.pins for body in stood.bodies)
+    assert stood.world == first.session.world
+    assert at.edit.history.total == 1
+    at.do({"do": "undo"})
+    assert at.doc == doc
