@@ -226,11 +226,13 @@ def motion_archive(
 
     folder: as of `saved_motion`.
     """
-    files = motion_files(format_name, shown_motion(edit, folder), order)
+    files, refused = files_of_bodies(format_name, shown_motions(edit, folder), order)
+    left_out = " ".join(refused)
     if len(files) == 1:
         ((name, content),) = files.items()
-        return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
-    return File(_packed(files), "application/zip", f"-{format_name}.zip")
+        suffix = name.removeprefix("motion") if name.startswith("motion") else f"-{name}"
+        return File(content, FORMATS[format_name].media_type, suffix, left_out)
+    return File(_packed(files), "application/zip", f"-{format_name}.zip", left_out)
 
 
 def every_format(
@@ -240,12 +242,15 @@ def every_format(
 
     folder: as of `saved_motion`.
     """
-    recording, files, left_out = shown_motion(edit, folder), dict[str, bytes](), []
+    bodies, files, left_out = shown_motions(edit, folder), dict[str, bytes](), list[str]()
     for name in FORMATS:
         try:
-            files |= motion_files(name, recording, order)
+            of_format, refused = files_of_bodies(name, bodies, order)
         except FormatError as error:
             left_out.append(f"{name.upper()}: {error}")
+        else:
+            files |= of_format
+            left_out += refused
     if not files:
         raise FormatError(left_out[0])
     return File(_packed(files), "application/zip", "-motion.zip", " ".join(left_out))
@@ -309,26 +314,44 @@ def saved_motions(
     return on_one_ground(named)
 
 
-def shown_motion(edit: EditorState, folder: Path | None = None) -> Recording:
-    """The motion that the page shows: of those segments that are tracked as they stand.
+def shown_motions(edit: EditorState, folder: Path | None = None) -> list[Recording]:
+    """The motions that the page shows, of all bodies that are tracked as they stand, in one world
+    over the same frames.
 
     folder: as of `saved_motion`.
     """
-    segment_results = sorted(
-        (t for t in edit.fitting.values() if t.finished), key=lambda t: t.first
-    )
+    abouts = [edit.about(body.id) for body in edit.doc.bodies]
+    tracked = [about for about in abouts if about.finished] or [edit]
+    if len(edit.doc.bodies) == 1:
+        return [_shown_motion(edit, folder)]
+    over = [frame for about in tracked for frame in reach(about.doc, _tracks(about))]
+    made = [
+        replace(_shown_motion(about, folder, over), body_id=about.doc.subject.id)
+        for about in tracked
+    ]
+    return on_one_ground(made)
+
+
+def _tracks(edit: EditorState) -> Tracks:
+    """What is tracked of the body that is posed; FormatError without anything."""
+    segment_results = sorted(edit.finished.values(), key=lambda t: t.first)
     if not segment_results:
         raise FormatError("There is no motion yet: pose two keyframes and track.")
+    return Tracks.of(segment_results, edit.skeleton)
+
+
+def _shown_motion(
+    edit: EditorState, folder: Path | None = None, over: Sequence[int] = ()
+) -> Recording:
+    tracks = _tracks(edit)
     stretches = [
         RecordedSegment(first, last, t.verdict)
-        for t in segment_results
+        for t in sorted(edit.finished.values(), key=lambda t: t.first)
         if t.verdict is not None
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
-    tracks = Tracks.of(segment_results, edit.skeleton)
-
     films = _errors_in_films(edit.doc, tracks, folder)
-    return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode, films)
+    return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode, films, over)
 
 
 def _reached(first: int, last: int, unreached: Span | None) -> list[Span]:
