@@ -109,7 +109,7 @@ class EachStood(NamedTuple):
 
     standing: dict[str, Standing]
     refused: dict[str, str]
-    seen: SeenLines
+    lines: SeenLines
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,9 @@ class StandOnFloor(Fit):
 
         video = context.cache.video(session, self.video_path)
         seen_upright = seen_lines(session, video, self.frame)
-        standing, refused, whole = dict[str, Standing](), dict[str, str](), session
+        standing: dict[str, Standing] = {}
+        refused: dict[str, str] = {}
+        whole = session
         for body_id, fitting in self.fittings.items():
             stand_there = partial(
                 stand,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from keypose.app.editor.drafted import has_drafts_for_other_up
 from keypose.app.jobs.find_up import FindUp, SeenLines
 from keypose.app.jobs.learn import LearnDrafts
 from keypose.app.jobs.lift import LiftDrafts
-from keypose.app.jobs.stand import EachStood, StandOnFloor, stood_beside
+from keypose.app.jobs.stand import EachStood, StandOnFloor
 from keypose.app.jobs.track import Track
 from keypose.app.state.outcomes import FoundUp
 from keypose.app.working import queue
@@ -356,7 +357,9 @@ def raised(doc: Session, by_m: float) -> tuple[Session, Trajectory]:
     return doc.model_copy(update={"bodies": (*doc.bodies, second)}), motion
 
 
-async def test_all_bodies_stand_on_one_floor_in_one_step(at: Desk) -> None:
+async def test_all_bodies_stand_on_one_floor_in_one_step(
+    at: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
     doc, motion = raised(at.doc, 0.04)
     at.store._set(edit=at.edit.with_doc(doc))
     results = results_of(doc, MOTION)
@@ -364,18 +367,15 @@ async def test_all_bodies_stand_on_one_floor_in_one_step(at: Desk) -> None:
         results = results.with_result(each)
     at.know(results)
     at.do({"do": "stand"})
-    fittings, seen = at.order.fittings, SeenLines(upright(UP).evidence, upright(UP))
-    assert list(fittings) == ["body", "body-2"]
-    first = stand(doc, fittings["body"], seen.evidence)
-    second = stood_beside(
-        first.session.about("body-2"),
-        first.session.world,
-        lambda there: stand(there, fittings["body-2"], seen.evidence),
-    )
-    Worker.newest.end(EachStood({"body": first, "body-2": second}, {}, seen))
+    seen = SeenLines(upright(UP).evidence, upright(UP))
+    monkeypatch.setattr("keypose.app.jobs.stand.seen_lines", lambda *_: seen)
+    nothing = SimpleNamespace(video=lambda *_: None)
+    result = at.order.work(doc, SimpleNamespace(cache=nothing, cancelled=lambda: False))
+    assert list(result.standing) == ["body", "body-2"]
+    Worker.newest.end(result)
     stood = at.doc
     assert all(body.pins for body in stood.bodies)
-    assert stood.world == first.session.world
+    assert stood.world == result.standing["body"].session.world
     assert at.edit.history.total == 1
     at.do({"do": "undo"})
     assert at.doc == doc
