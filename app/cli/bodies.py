@@ -43,8 +43,3 @@ def heading(about: Session, of: Session) -> list[str]:
 def by_body(facts: Mapping[str, Mapping[str, Any]], of: Session) -> Mapping[str, Any]:
     """What JSON says of bodies, by their ids: of the only body of a session its facts alone."""
     return {"bodies": facts} if len(of.bodies) > 1 else next(iter(facts.values()))
-
-
-def of_body(words: str | None, body_id: str, session: Session) -> str | None:
-    """Words on one body, which say its id where the session has several."""
-    return f"{body_id}: {words}" if words and len(session.bodies) > 1 else words

@@ -27,7 +27,7 @@ from keypose.app.jobs.film_session import (
     begun_session,
     frames_to_draft,
     opened_film,
-    who_is_drafted,
+    who_are_drafted,
     with_people_kept,
 )
 from keypose.app.jobs.find_up import with_up_unseen
@@ -150,15 +150,17 @@ def _people(
     film: FilmToDraft, session: Session, video: Video, arguments: argparse.Namespace
 ) -> list[WhoIsDrafted]:
     """Who are drafted: one for each box, or the person who is found."""
-    who = _who(film, session, video, arguments.json)
-    frames = frames_to_draft(film.order, session)
+    people = _named_or_found(film, session, video, arguments.json)
+    at, frames = people[0].frame, frames_to_draft(film.order, session)
     for box in arguments.more_box:
-        require_draftable(session, who.frame, box, frames)
-    return [who, *(WhoIsDrafted(who.frame, box) for box in arguments.more_box)]
+        require_draftable(session, at, box, frames)
+    return [*people, *(WhoIsDrafted(at, box) for box in arguments.more_box)]
 
 
-def _who(film: FilmToDraft, session: Session, video: Video, as_json: bool) -> WhoIsDrafted:
-    """Who is drafted; the person is looked for where no box was drawn, and that is said."""
+def _named_or_found(
+    film: FilmToDraft, session: Session, video: Video, as_json: bool
+) -> list[WhoIsDrafted]:
+    """Who are drafted; people are looked for where no box was drawn, and that is said."""
     stop = threading.Event()
 
     def report(_: float) -> None:
@@ -166,10 +168,10 @@ def _who(film: FilmToDraft, session: Session, video: Video, as_json: bool) -> Wh
             raise Cancelled
 
     with set_when_interrupted(stop):
-        who = who_is_drafted(film.order, session, video, report)
-    if who.found is not None and not as_json:
-        print(found_person_words(who.found), file=sys.stderr, flush=True)
-    return who
+        people = who_are_drafted(film.order, session, video, report)
+    if people[0].found is not None and not as_json:
+        print(found_person_words(people[0].found), file=sys.stderr, flush=True)
+    return people
 
 
 def _say_how_long(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from keypose.app.cli.arguments import note, order_of
-from keypose.app.cli.bodies import about_each, of_body
+from keypose.app.cli.bodies import about_each
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import video_if_there
 from keypose.app.export.motion_files import (
@@ -19,6 +19,7 @@ from keypose.app.export.motion_files import (
 )
 from keypose.app.export.motion_formats import require_meant
 from keypose.app.orders.motion import MotionOrder
+from keypose.app.words.bodies import after_id
 from keypose.app.words.camera import unscaled_words
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.recording import Recording
@@ -92,7 +93,8 @@ def _recordings(session: Session, arguments: argparse.Namespace) -> list[Recordi
     for about in tracked:
         if about.subject in asked:
             words = outdated_words(about, tracks[about.subject.id])
-            note(of_body(words, about.subject.id, session))
+            if words is not None:
+                note(after_id(words, about.subject.id, session))
     return [body for body in bodies if body.body_id in ids]
 
 

@@ -16,7 +16,7 @@ from keypose.app.cli.arguments import (
     order_of,
     require_of,
 )
-from keypose.app.cli.bodies import about_one, by_body, heading, of_body
+from keypose.app.cli.bodies import about_one, by_body, heading
 from keypose.app.cli.import_camera import import_camera
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
@@ -39,6 +39,7 @@ from keypose.app.orders.imports import (
     ImportKeypoints,
     ImportMotion,
 )
+from keypose.app.words.bodies import after_id
 from keypose.app.words.imports import note_words
 from keypose.tracker.apart import reading_apart
 from keypose.tracker.body.skeleton import Skeleton
@@ -101,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
                 print(line)
             each.show()
         for words in each.doubts:
-            note(of_body(words, each.session.subject.id, session))
+            note(after_id(words, each.session.subject.id, session))
     return 0
 
 
@@ -131,7 +132,7 @@ def _every(shares: Sequence[Share], session: Session) -> list[_Taken]:
         except ChoiceError:
             raise
         except FormatError as error:
-            refused.append(of_body(str(error), body_id, session) or "")
+            refused.append(after_id(str(error), body_id, session))
     if not taken:
         raise FormatError(refused[0])
     for words in refused:

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 from pathlib import Path
 
 from keypose.app.cli.arguments import note
-from keypose.app.cli.bodies import about_each, by_body, heading, of_body
+from keypose.app.cli.bodies import about_each, by_body, heading
 from keypose.app.cli.change import Change, run_change
-from keypose.app.jobs.stand import resolved, stood
+from keypose.app.jobs.stand import BodyStood, resolved, stood_together
+from keypose.app.words.bodies import after_id
 from keypose.app.words.problems import pin_sentence
 from keypose.app.words.standing import soles_words, standing_words
-from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.up import Disagreement
 from keypose.tracker.operations.stand import Standing
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
-from keypose.tracker.space.soles import Soles, soles_of
+from keypose.tracker.space.soles import Soles
 from keypose.tracker.storage.results import Results, load_results, save_results
 
 
@@ -27,36 +26,13 @@ def run(arguments: argparse.Namespace) -> int:
     return run_change(arguments, _stood)
 
 
-@dataclass(frozen=True, eq=False)
-class _Stood:
-    """What became of one body."""
-
-    done: Standing
-    results: Results
-
-    @property
-    def soles(self) -> Soles | None:
-        return soles_of(self.done.session, self.results.space(self.done.session))
-
-
 def _stood(session: Session, arguments: argparse.Namespace) -> Change:
     """Stand the bodies one after the other on one floor: that which the first of them finds."""
-    path, standing = arguments.session, dict[str, _Stood]()
-    whole, asked = session, [about.subject.id for about in about_each(session, arguments)]
-    refused = list[str]()
-    for name in asked:
-        try:
-            each = _stood_after(whole.about(name), path, list(standing.values()))
-        except SessionError as error:
-            refused.append(of_body(str(error), name, session) or "")
-            continue
-        standing[name] = each
-        whole = each.done.session.about(whole.subject.id)
-    if not standing:
-        raise SessionError(" ".join(refused))
-    for words in refused:
-        note(f"{words} It was not stood on the floor.")
-    results = {name: each.results for name, each in standing.items()}
+    path, asked = arguments.session, [about.subject.id for about in about_each(session, arguments)]
+    whole, standing, refused = stood_together(session, path, asked)
+    for body_id, words in refused.items():
+        note(f"{after_id(words, body_id, session)} It was not stood on the floor.")
+    results = {body_id: each.results for body_id, each in standing.items()}
     for body in whole.bodies:
         if body.id not in standing and body.results is not None:
             about = whole.about(body.id)
@@ -70,25 +46,13 @@ def _stood(session: Session, arguments: argparse.Namespace) -> Change:
     return Change(lambda: _saved(whole, path, results), tuple(lines), by_body(facts, session))
 
 
-def _stood_after(session: Session, path: Path, before: Sequence[_Stood]) -> _Stood:
-    """One body, in the world where others stand already, unless it is the first."""
-    if not before:
-        return _Stood(*stood(session, path, load_results(session, path)))
-    world = before[0].done.session.world
-    as_set = world.model_copy(update={"up_from": (*world.up_from, "set")})
-    session = session.model_copy(update={"world": as_set})
-    done, results = stood(session, path, load_results(session, path))
-    there = done.session.model_copy(update={"world": world})
-    return _Stood(replace(done, session=there), resolved(there, results))
-
-
 def _saved(whole: Session, path: Path, results: Mapping[str, Results]) -> Session:
     for name, each in results.items():
         whole = save_results(whole.about(name), path, each).about(whole.subject.id)
     return whole
 
 
-def _lines(stood_body: _Stood) -> tuple[str, ...]:
+def _lines(stood_body: BodyStood) -> tuple[str, ...]:
     done, soles = stood_body.done, stood_body.soles
     held = [pin for stretch in stood_body.results.space(done.session) for pin in stretch.pins]
     return (

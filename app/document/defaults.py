@@ -20,7 +20,7 @@ from typing import Annotated, Any, Final
 from platformdirs import user_config_path
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from keypose.tracker.body.body import PRESETS
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.errors import KeyposeError, one_sentence
 from keypose.tracker.files import read_regular
 from keypose.tracker.session.settings import (

@@ -10,7 +10,8 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.message import Edit, Look
 from keypose.app.editor.state import EditorState
 from keypose.app.editor.update import end_stroke, still_there
-from keypose.tracker.body.body import PRESETS, preset
+from keypose.tracker.body.body import preset
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import SceneId

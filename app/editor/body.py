@@ -23,7 +23,7 @@ from keypose.app.editor.documents import (
 from keypose.app.editor.message import Edit
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label, with_height, with_joint, with_shape, with_size
-from keypose.tracker.body.body import PRESETS, Body, Dof, Name, Part, preset
+from keypose.tracker.body.body import Body, Dof, Name, Part, preset
 from keypose.tracker.body.modify import (
     can_have_clavicles,
     has_clavicles,
@@ -35,6 +35,7 @@ from keypose.tracker.body.modify import (
     without_part,
 )
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.session.annotations import Reviewed

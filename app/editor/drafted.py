@@ -17,9 +17,10 @@ from keypose.app.editor.documents import (
 )
 from keypose.app.editor.outdated import without_followed
 from keypose.app.editor.state import EditorState
-from keypose.tracker.body.body import PEOPLE, PRESETS, Body, preset
+from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import unscaled, without_clavicles
 from keypose.tracker.body.pose import Pose
+from keypose.tracker.body.preset_names import PEOPLE, PRESETS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed
 from keypose.tracker.geometry.rotations import Array

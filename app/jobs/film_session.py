@@ -86,31 +86,32 @@ def frames_to_draft(order: FilmOrder, session: Session) -> Span:
     return order.frames or (0, session.view.video.frame_count - 1)
 
 
-def who_is_drafted(
+def who_are_drafted(
     order: FilmOrder,
     session: Session,
     video: Video,
     report: Callable[[float], None] = lambda share: None,
-) -> WhoIsDrafted:
-    """The person whom an order names, or the only one who is found.
+) -> list[WhoIsDrafted]:
+    """The person whom an order names, the only one who is found, or everybody where that is asked
+    for.
 
     report: receives the share that is done, and may raise Cancelled. KeypointError in one sentence
-    where there is nobody, or more than one.
+    where there is nobody, or more than one and that is not asked for.
     """
     frames = frames_to_draft(order, session)
     if order.box is not None:
         at = frames[0] if order.frame is None else order.frame
         require_draftable(session, at, order.box, frames)
-        return WhoIsDrafted(at, order.box)
+        return [WhoIsDrafted(at, order.box)]
     whole = (0.0, 0.0, session.view.video.width - 1.0, session.view.video.height - 1.0)
     require_draftable(session, frames[0] if order.frame is None else order.frame, whole, frames)
     numbers = spread_frames(*frames) if order.frame is None else [order.frame]
     people = people_seen(video, numbers, report)
     if people is None:
         raise KeypointError(NOBODY)
-    if len(people.people) > 1:
+    if len(people.people) > 1 and not order.everyone:
         raise KeypointError(several_words(people))
-    return WhoIsDrafted(people.frame, people.people[0].box, people)
+    return [WhoIsDrafted(people.frame, person.box, people) for person in people.people]
 
 
 def people_seen(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,7 @@ from keypose.app.jobs.find_up import SeenLines, seen_lines
 from keypose.app.jobs.fit import Fit, sent
 from keypose.app.jobs.job import Context
 from keypose.app.state.outcomes import FoundUp
-from keypose.app.words.bodies import body_names
+from keypose.app.words.bodies import after_id, body_names
 from keypose.app.words.standing import bodies_stand_words
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session import Session
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from keypose.app.state.app_state import AppState
     from keypose.tracker.geometry.up import UpEvidence
     from keypose.tracker.operations.stand import Standing
+    from keypose.tracker.space.soles import Soles
     from keypose.tracker.storage.results import Results
 
 LABEL: Final = "stand on the floor"
@@ -64,6 +65,59 @@ def stood(
     motion = None if session.subject.results is None else load_tracks(session, path)
     done = stand(session, results.fitting(session), up_evidence, cancelled, motion=motion)
     return done, resolved(done.session, results, cancelled)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyStood:
+    """What became of one body: how it stands, and its results with the motion solved for there."""
+
+    done: Standing
+    results: Results
+
+    @property
+    def soles(self) -> Soles | None:
+        """How its soles lie on the floor."""
+        from keypose.tracker.space.soles import soles_of  # loads what only this needs
+
+        return soles_of(self.done.session, self.results.space(self.done.session))
+
+
+def stood_together(
+    session: Session,
+    path: Path,
+    body_ids: Sequence[str],
+    cancelled: Callable[[], bool] | None = None,
+) -> tuple[Session, dict[str, BodyStood], dict[str, str]]:
+    """A saved session whose bodies stand one after the other on one floor, that which the first of
+    them finds; what became of each, and why others do not stand, by their ids. SessionError where
+    nobody does; no file is written.
+    """
+    whole, standing, refused = session, dict[str, BodyStood](), dict[str, str]()
+    for body_id in body_ids:
+        about = whole.about(body_id)
+        try:
+            if standing:
+                done = stood_beside(
+                    about, whole.world, lambda there: stood(there, path, _loaded(there, path))[0]
+                )
+                results = resolved(done.session, _loaded(about, path), cancelled)
+            else:
+                done, results = stood(about, path, _loaded(about, path), cancelled)
+        except SessionError as error:
+            refused[body_id] = str(error)
+            continue
+        standing[body_id] = BodyStood(done, results)
+        whole = done.session.about(session.subject.id)
+    if not standing:
+        words = (after_id(words, body_id, session) for body_id, words in refused.items())
+        raise SessionError(" ".join(words))
+    return whole, standing, refused
+
+
+def _loaded(session: Session, path: Path) -> Results:
+    from keypose.tracker.storage.results import load_results  # loads what only this needs
+
+    return load_results(session, path)
 
 
 def resolved(

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 from keypose.app.orders.order import option
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, YesNo
-from keypose.app.orders.values import Choice, FrameRange, Misread, Number, Value, Whole
+from keypose.app.orders.values import Choice, FrameRange, Misread, Number, Switch, Value, Whole
+from keypose.tracker.body.preset_names import PEOPLE
 
 if TYPE_CHECKING:
     from keypose.tracker.keypoints.region import Box
 
-PEOPLE: Final = ("adult_male", "adult_female", "elderly_male", "elderly_female", "child")
-"""As in tracker.body.body, which would load more than help needs."""
 SHORTEST_CM: Final = 40.0
 TALLEST_CM: Final = 260.0
 WIDEST_DEG: Final = 170.0
@@ -57,6 +56,9 @@ class FilmOrder:
         "left, top, right and bottom of a box around the person, in pixels; default: looked for in "
         "the film, and you are asked where several are found",
         once=True,
+    )
+    everyone: bool | None = option(
+        Switch(), "draft everybody who is found, each as a body of the session; default: one person"
     )
     frame: int | None = option(
         Whole("N", least=0),

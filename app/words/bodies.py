@@ -20,3 +20,8 @@ def body_names(doc: Session) -> dict[str, str]:
 def of_body(doc: Session, body_id: str) -> str:
     """Such as " of Anna", after what is done with a body; empty where there is only one."""
     return f" of {body_names(doc)[body_id]}" if len(doc.bodies) > 1 else ""
+
+
+def after_id(words: str, body_id: str, session: Session) -> str:
+    """Words on one body after its id, as commands name it, where the session has several."""
+    return f"{body_id}: {words}" if len(session.bodies) > 1 else words

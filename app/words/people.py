@@ -25,9 +25,11 @@ def box_text(box: Box) -> str:
 
 
 def found_person_words(people_in_film: PeopleInFilm) -> str:
-    """Which box was taken that nobody drew, and who was left out as they are much smaller."""
-    (person,) = people_in_film.people
-    words = f"One person found: --box {box_text(person.box)} --frame {people_in_film.frame}."
+    """Which boxes were taken that nobody drew, and who was left out as they are much smaller."""
+    people = people_in_film.people
+    count = "One person" if len(people) == 1 else f"{len(people)} people"
+    boxes = " ".join(f"--box {box_text(person.box)}" for person in people)
+    words = f"{count} found: {boxes} --frame {people_in_film.frame}."
     if not people_in_film.smaller:
         return words
     frames = ", ".join(str(frame) for frame in sorted(people_in_film.smaller))
@@ -57,7 +59,8 @@ def several_words(people_in_film: PeopleInFilm) -> str:
     )
     return (
         f"{len(people_in_film.people)} people are to be seen at frame {people_in_film.frame}. "
-        f"Choose one, from left to right, with --frame {people_in_film.frame} and {choices}."
+        f"Choose one, from left to right, with --frame {people_in_film.frame} and {choices}; or "
+        "--everyone."
     )
 
 

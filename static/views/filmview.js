@@ -19,7 +19,7 @@ export class FilmView extends View {
 
   constructor(el) {
     super(el);
-    el.classList.add('painted', 'drawn');
+    el.classList.add('painted');
     el.prepend(this.#picture.picture);
     this.over.before(this.#picture.figure);
     watch(['films', 'solids', 'body', 'view', 'u:filmLarge', 'u:filmHeld', 'u:sight'], () => this.follow());

@@ -201,7 +201,7 @@ def test_a_picture_that_is_held_is_aligned_with_the_frame_that_shows_the_same(at
     bar.get_by_role("button", name="Hold its picture").click()
     at.visitor.do(do="go", frame=30)
     until(lambda: section(at.page, "view.frame") == 30, "the other moment")
-    assert at.page.locator("#film canvas.vid").get_attribute("data-frame") == "21"
+    at.page.locator("#film canvas.vid[data-frame='21']").wait_for()
     screen(at.page, "films-7-held")
     bar.get_by_role("button", name="Align here").click()
     until(lambda: begins(at) == 9.0, "frame 21 at frame 30")

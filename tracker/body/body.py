@@ -17,6 +17,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.body.shapes import Point as Point
 from keypose.tracker.body.shapes import Shape
 from keypose.tracker.errors import BodyError, one_sentence
@@ -33,13 +34,6 @@ Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
 LEAST_TOWARD_COS = -0.9
 """Swings are not counted from a direction that lies nearly opposite to the part at rest."""
 
-ADULTS = ("adult_male", "adult_female", "elderly_male", "elderly_female")
-CHILDREN = ("child",)
-PEOPLE = (*ADULTS, *CHILDREN)
-ANIMALS = ("dog", "horse")
-OBJECTS = ("box", "cylinder")
-"""Rigid things of one part, to which others can be added."""
-PRESETS = (*PEOPLE, *ANIMALS, *OBJECTS)
 LARGEST_BODY_BYTES = 16 * 2**20
 
 

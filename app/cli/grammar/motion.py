@@ -27,11 +27,12 @@ from keypose.app.cli.arguments import (
     typed,
 )
 from keypose.app.orders.bodies import EachBody, OneBody
-from keypose.app.orders.film import PEOPLE, BesideOrder, FilmOrder, RunOrder
+from keypose.app.orders.film import BesideOrder, FilmOrder, RunOrder
 from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import options_of
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, TrackOrder, Within
 from keypose.app.orders.values import FrameRange, Name, Number, Whole
+from keypose.tracker.body.preset_names import PRESETS
 
 if TYPE_CHECKING:
     from keypose.tracker.reduction.result import Every, Tolerance
@@ -246,9 +247,6 @@ def add_camera(commands: Subcommands) -> None:
     add_json(command)
     add_overwrite(command)
 
-
-PRESETS = (*PEOPLE, "dog", "horse", "box", "cylinder")
-"""As in tracker.body.body, which would load more than help needs."""
 
 GOALS = (3, 5, 8, 12)
 """As in app.editor.review, which would load more than help needs."""

@@ -28,14 +28,14 @@ from keypose.app.export.report.images import jpeg
 from keypose.app.jobs.add_film import found_film
 from keypose.app.jobs.batch.films import SEPARATOR
 from keypose.app.jobs.batch.task import Stage, Step, Task
-from keypose.app.jobs.draft import drafted, progress_of
+from keypose.app.jobs.draft import drafted_people, progress_of
 from keypose.app.jobs.film_session import (
     WhoIsDrafted,
     begun_session,
     frames_to_draft,
     opened_film,
-    who_is_drafted,
-    with_draft_kept,
+    who_are_drafted,
+    with_people_kept,
 )
 from keypose.app.jobs.find_camera import find_saved, found_words, with_found
 from keypose.app.jobs.find_up import with_up_unseen
@@ -43,6 +43,7 @@ from keypose.app.jobs.rerun import with_repeats, with_settings
 from keypose.app.jobs.with_film import added_words
 from keypose.app.orders.film import FILM_ORDERS, BesideOrder, FilmToDraft
 from keypose.app.orders.tracking import said
+from keypose.app.words.bodies import after_id
 from keypose.app.words.people import (
     accepted_words,
     another_person_words,
@@ -76,13 +77,15 @@ SendStep: TypeAlias = Callable[[Step], None]
 
 
 class _Record(BaseModel):
-    """What was asked for of a film, and who is drafted in it; notes: what was found by itself."""
+    """What was asked for of a film, and who is drafted in it; others: further people on the same
+    frame; notes: what was found by itself."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     asked: dict[str, str]
     frame: FrameIndex
     box: Box
+    others: tuple[Box, ...] = ()
     notes: tuple[str, ...] = ()
 
     def with_note(self, words: str) -> _Record:
@@ -213,11 +216,12 @@ def _drafted(
         frames = frames_to_draft(film.order, session)
         if record is None:
             report = _sender(send, "person", stop)
-            who = who_is_drafted(film.order, session, video, report)
-            record = _begin_record(task, film, who).with_note(kept)
+            people = who_are_drafted(film.order, session, video, report)
+            record = _begin_record(task, film, people).with_note(kept)
             record = record.with_note(_assumed(film, session))
-        require_draftable(session, record.frame, record.box, frames)
-        who = WhoIsDrafted(record.frame, record.box)
+        people = [WhoIsDrafted(record.frame, box) for box in (record.box, *record.others)]
+        for who in people:
+            require_draftable(session, who.frame, who.box, frames)
         session, words = with_up_unseen(session, video)
         record = record.with_note(words)
         session = with_repeats(session, video, *frames)
@@ -226,21 +230,21 @@ def _drafted(
         def report_draft(progress: DraftProgress) -> None:
             report_share(progress_of(progress)[0])
 
-        drafts = drafted(
+        drafts = drafted_people(
             session,
             video,
-            who.frame,
-            who.box,
+            record.frame,
+            [who.box for who in people],
             frames,
             proportions=True,
             report=report_draft,
             cancelled=stop.is_set,
         )
-        session = with_draft_kept(session, video, path, who, frames, drafts)
-        _write_picture(who, video, path.with_name(PICTURE))
+        session = with_people_kept(session, video, path, people, frames, drafts)
+        _write_picture(people[0], video, path.with_name(PICTURE))
     _write_record(record, path)
     save_session(session, path)
-    if drafts.detected is not None:
+    if drafts[0].detected is not None:
         raise Cancelled
     return session, record
 
@@ -266,23 +270,42 @@ def _with_camera(
 
 
 def _accept(session: Session, path: Path, record: _Record) -> tuple[Session, _Record]:
-    """The session with the proposed drafts as keyframes, written; and which these are."""
-    frames = proposed_frames(session)
-    drafted = session.subject.drafted
+    """The session with the proposed drafts of all bodies as keyframes, written; and which these
+    are. KeypointError where nobody is seen well enough."""
+    posed, accepted, refused = session.subject.id, 0, list[KeypointError]()
+    for body in session.bodies:
+        try:
+            session, words = _body_accepted(session.about(body.id))
+            accepted += 1
+        except KeypointError as error:
+            refused.append(error)
+            words = (str(error),)
+        for sentence in words:
+            record = record.with_note(after_id(sentence, body.id, session))
+    if not accepted:
+        raise refused[0]
+    session = session.about(posed)
+    _write_record(record, path)
+    save_session(session, path)
+    return session, record
+
+
+def _body_accepted(session: Session) -> tuple[Session, tuple[str, ...]]:
+    """The same of the body that is posed, not written; and sentences on what was accepted."""
+    frames, drafted = proposed_frames(session), session.subject.drafted
     if len(frames) < 2 or drafted is None:
         raise KeypointError(
             "The person is seen well in too few frames to be tracked: give another box, or other "
             "frames."
         )
-    record = record.with_note(accepted_words(frames))
-    record = record.with_note(flipped_words(flipped_drafts(session)))
-    record = record.with_note(undrafted_words(missing_frames(drafted)))
     others = [place.frame for place in drafted.places if place.reason == "person"]
-    record = record.with_note(another_person_words(others))
-    session = with_accepted(session, frames)
-    _write_record(record, path)
-    save_session(session, path)
-    return session, record
+    words = (
+        accepted_words(frames),
+        flipped_words(flipped_drafts(session)),
+        undrafted_words(missing_frames(drafted)),
+        another_person_words(others),
+    )
+    return with_accepted(session, frames), tuple(sentence for sentence in words if sentence)
 
 
 def _sender(send: SendStep, stage: Stage, stop: Event | None) -> Callable[[float], None]:
@@ -320,9 +343,16 @@ def _set_aside(session_path: Path) -> str:
     return f"The session that was there is kept as {aside.name}."
 
 
-def _begin_record(task: Task, film: FilmToDraft, who: WhoIsDrafted) -> _Record:
+def _begin_record(task: Task, film: FilmToDraft, people: Sequence[WhoIsDrafted]) -> _Record:
+    who, *others = people
     words = () if who.found is None else (found_person_words(who.found),)
-    return _Record(asked=_asked(task, film), frame=who.frame, box=who.box, notes=words)
+    return _Record(
+        asked=_asked(task, film),
+        frame=who.frame,
+        box=who.box,
+        others=tuple(each.box for each in others),
+        notes=words,
+    )
 
 
 def _write_record(record: _Record, session_path: Path) -> None:

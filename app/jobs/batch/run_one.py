@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ from typing import Final, TypeAlias
 
 from keypose.app.document.folder_lock import NAME as LOCK
 from keypose.app.document.folder_lock import LockedElsewhere, SessionLock
-from keypose.app.export.motion_files import motion_files, outdated_files, saved_motion
+from keypose.app.export.motion_files import files_of_bodies, outdated_files, saved_motions
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.jobs.batch.finding import SESSION
 from keypose.app.jobs.batch.make_session import (
@@ -42,21 +43,21 @@ from keypose.app.jobs.rerun import (
     with_repeats,
     with_settings,
 )
-from keypose.app.jobs.stand import stood
+from keypose.app.jobs.stand import BodyStood, stood_together
 from keypose.app.jobs.track import found_in
 from keypose.app.jobs.wire import failure_message
 from keypose.app.orders.motion import AS_TRACKED, MotionOrder
+from keypose.app.words.bodies import after_id
 from keypose.app.words.camera import unscaled_words
 from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import row_of_place
 from keypose.app.words.standing import soles_words, standing_words
-from keypose.tracker.errors import FormatError, KeyposeError, SessionError
+from keypose.tracker.errors import FormatError, KeyposeError, SessionError, listed
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.review.places import review_of
 from keypose.tracker.session import Session
-from keypose.tracker.session.bodies import bodies_words
-from keypose.tracker.space.soles import soles_of
+from keypose.tracker.session.bodies import id_and_name
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import (
     load_session,
@@ -100,23 +101,31 @@ def places(export: Export) -> list[Path]:
 
 
 def export_motion(session_path: Path, export: Export) -> tuple[str, ...]:
-    """Write the session's motion in every format; the files. FormatError when one cannot be."""
+    """Write the motion of all bodies that are tracked in every format; the files. FormatError when
+    one cannot be."""
     session = load_session(session_path)
-    tracks = load_tracks(session, session_path)
+    tracks = {
+        body.id: load_tracks(session.about(body.id), session_path)
+        for body in session.bodies
+        if body.results is not None
+    }
+    folder = session_path.parent
     with open_video_of(session, session_path) as video:
         times_s = session.evidence.times_s(video.info.times_s)
-        recording = saved_motion(session, tracks, times_s, video.info.timecode, session_path.parent)
+        bodies = saved_motions(session, tracks, times_s, video.info.timecode, folder)
     make_folder(export.folder, error=FormatError)
     written = []
     for format_name in FORMATS:
         if format_name not in export.formats:
             continue
-        files = motion_files(format_name, recording, export.order)
+        files, refused = files_of_bodies(format_name, bodies, export.order)
+        if refused:
+            raise FormatError(" ".join(refused))
         for name, content in files.items():
             place = export.folder / f"{export.prefix}{name}"
             write_file(place, content, overwrite=True)
             written.append(str(place))
-        for name in outdated_files(format_name, files):
+        for name in outdated_files(format_name, files, [body.body_id for body in bodies]):
             (export.folder / f"{export.prefix}{name}").unlink(missing_ok=True)
     return tuple(written)
 
@@ -187,6 +196,25 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
         session = with_found(session, find_saved(asked, task.session))
         save_session(session, task.session)
         asked = with_settings(session, task.order)
+    outcome = _track_body(task, session, asked, send, stop)
+    summary, posed = _summary(task, outcome), session.subject.id
+    for body in session.bodies:
+        if not summary.is_done or body.id == posed or not asked.about(body.id).spans:
+            continue
+        about = load_session(task.session).about(body.id)
+        own = _track_body(task, about, with_settings(about, task.order), send, stop)
+        if own.error is not None or own.cancelled:
+            summary = _summary(task, own)
+    return summary
+
+
+def _track_body(
+    task: Task, session: Session, asked: Session, send: SendStep, stop: Event
+) -> _Found:
+    """Track the body that is posed, and save what was found.
+
+    asked: the session with the settings of the task.
+    """
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
     outcome = _Found([])
     if wanted:
@@ -194,7 +222,7 @@ def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
             asked = with_repeats(asked, video, wanted[0][0], wanted[-1][1])
             outcome = _track(task, asked, video, wanted, send, stop)
         save_found(asked, task.session, outcome.tracks)
-    return _summary(task, outcome)
+    return outcome
 
 
 def _finished(task: Task, summary: Summary, send: SendStep, stop: Event) -> Summary:
@@ -231,14 +259,21 @@ def _films_words(session_path: Path) -> tuple[str, ...]:
 
 
 def _bodies_words(session_path: Path) -> tuple[str, ...]:
-    """Say which of several bodies alone a batch is about; nothing of one."""
-    session = load_session(session_path)
-    if len(session.bodies) == 1:
-        return ()
-    return (
-        f"Of {bodies_words(session.bodies)} a batch takes {session.subject.id} alone: "
-        "keypose track and keypose export take all.",
-    )
+    """How many segments of each further body there are of each verdict; nothing of one body."""
+    session, sentences = load_session(session_path), []
+    for body in session.bodies:
+        if body.id == session.subject.id:
+            continue
+        segments = () if body.results is None else body.results.segments
+        kinds = Counter(segment.verdict.kind for segment in segments)
+        counts = [f"{kinds[kind]} {kind}" for kind in ("good", "check", "lost") if kinds[kind]]
+        words = (
+            f"{listed(counts)} of {len(segments)} segment{'s' * (len(segments) > 1)}"
+            if counts
+            else "not tracked"
+        )
+        sentences.append(f"{id_and_name(body)}: {words}.")
+    return tuple(sentences)
 
 
 def _leave_when(stop: Event) -> None:
@@ -256,14 +291,28 @@ def _stood_words(task: Task, send: SendStep, stop: Event) -> tuple[str, ...]:
         return ()
     _leave_when(stop)
     send(Step(0, stage="stand"))
-    results = load_results(session, task.session)
+    tracked = [body.id for body in session.bodies if body.results is not None]
     try:
-        done, results = stood(session, task.session, results, stop.is_set)
+        whole, standing, refused = stood_together(session, task.session, tracked, stop.is_set)
     except SessionError as error:
         return (f"Not stood on the floor: {error}",)
-    save_session(save_results(done.session, task.session, results), task.session)
-    soles = soles_of(done.session, results.space(done.session))
-    return standing_words(done), *([] if soles is None else [soles_words(soles)])
+    for body_id, each in standing.items():
+        saved = save_results(whole.about(body_id), task.session, each.results)
+        whole = saved.about(session.subject.id)
+    save_session(whole, task.session)
+    words = [
+        after_id(sentence, body_id, session)
+        for body_id, each in standing.items()
+        for sentence in _standing_words(each)
+    ]
+    for body_id, why in refused.items():
+        words.append(f"{after_id(why, body_id, session)} It was not stood on the floor.")
+    return tuple(words)
+
+
+def _standing_words(each: BodyStood) -> tuple[str, ...]:
+    soles = each.soles
+    return standing_words(each.done), *([] if soles is None else [soles_words(soles)])
 
 
 def _reviewed(task: Task, summary: Summary) -> Summary:

@@ -14,18 +14,10 @@ from keypose.app.posing import at_limit, axis_labels, handles, part_label, part_
 from keypose.app.posing import lanes as lane_groups
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
-from keypose.tracker.body.body import (
-    ADULTS,
-    ANIMALS,
-    CHILDREN,
-    OBJECTS,
-    PRESETS,
-    Body,
-    Part,
-    preset,
-)
+from keypose.tracker.body.body import Body, Part, preset
 from keypose.tracker.body.modify import can_have_clavicles, has_clavicles, height, without_clavicles
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.preset_names import ADULTS, ANIMALS, CHILDREN, OBJECTS, PRESETS
 from keypose.tracker.body.shapes import KINDS
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.keyframe import PartKeyframe

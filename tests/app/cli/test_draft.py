@@ -144,6 +144,22 @@ def test_people_in_several_boxes_become_bodies_with_their_own_keypoints(
     assert tracked.bodies[1].keypoints_by_view == session.bodies[1].keypoints_by_view
 
 
+def test_everyone_who_is_found_becomes_a_body_and_all_of_them_are_run(
+    duet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    run_all = ["run", duet, "--out", out, "--quality", "preview", "--export", "npz", "--everyone"]
+    assert run([*run_all, "--workers", "1", "--frame", "0"]) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"2 people found: --box \S+ --box \S+ --frame 0", told), told
+    (place,) = out.rglob("session.json")
+    session = load_session(place)
+    assert [body.id for body in session.bodies] == ["body", "body-2"]
+    assert all(body.results is not None for body in session.bodies)
+    assert re.search(r"body-2 \(adult_male\): \d \w+ of \d segment", told), told
+    assert {"body.npz", "body-2.npz"} <= {file.name for file in out.rglob("*.npz")}
+
+
 def test_json_tells_each_body_of_several(
     duet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

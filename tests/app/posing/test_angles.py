@@ -28,8 +28,9 @@ from keypose.app.posing.limits import (
     of_angles,
     range_of,
 )
-from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.heading import from_heading_first
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import (
     Array,

@@ -7,9 +7,10 @@ import pytest
 
 from keypose.app.posing import handle_named, handles, lanes, opening_pose, up_from_vertical
 from keypose.app.posing.handles import handle_at_far_end
-from keypose.tracker.body.body import PEOPLE, Body, preset
+from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import with_clavicles, without_part
 from keypose.tracker.body.pose import joint_names, pose_transforms
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 from keypose.tracker.geometry.camera import Camera

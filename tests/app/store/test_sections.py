@@ -9,8 +9,9 @@ import pytest
 
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections import Sections
-from keypose.tracker.body.body import PRESETS, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.session.verdict import GOOD

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import OBJECTS, PRESETS, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.modify import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.preset_names import OBJECTS, PRESETS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 from keypose.tracker.geometry.rotations import apply_transform

@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from bench.bodies.animals import DOG, HORSE, Quadruped, make_animal
-from bench.bodies.people import as_json, make_body
-from keypose.tracker.body.body import ADULTS, PEOPLE, PRESETS, Body, Part, load_body, preset
+from bench.presets.animals import DOG, HORSE, Quadruped, make_animal
+from bench.presets.people import as_json, make_body
+from keypose.tracker.body.body import Body, Part, load_body, preset
 from keypose.tracker.body.modify import height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.preset_names import ADULTS, PEOPLE, PRESETS
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError

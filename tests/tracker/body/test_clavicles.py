@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import PEOPLE, Body, Part, preset
+from keypose.tracker.body.body import Body, Part, preset
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.modify import (
     can_have_clavicles,
@@ -17,6 +17,7 @@ from keypose.tracker.body.modify import (
     without_clavicles,
 )
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import Array, exp_rotation

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.joint_angles import (
     JOINTS,
     R_ANATOMICAL_PART,
@@ -19,6 +19,7 @@ from keypose.tracker.body.joint_angles import (
 )
 from keypose.tracker.body.modify import with_clavicles
 from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from keypose.tracker.body.body import PRESETS, Body, Part, Point, load_body, preset
+from keypose.tracker.body.body import Body, Part, Point, load_body, preset
 from keypose.tracker.body.modify import height, joint_moved, resized, scaled, unscaled, with_height
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 

@@ -250,7 +250,7 @@ def test_nothing_asks_which_shape_it_has_before_it() -> None:
     takes its file and its name in the list."""
     makers = {
         "tracker/warming.py",
-        "tracker/body/modify.py", "tracker/body/body.py",
+        "tracker/body/modify.py", "tracker/body/body.py", "tracker/body/preset_names.py",
     }  # fmt: skip
     kinds = {kind.__name__ for kind in LISTED}
     quoted = re.compile("|".join(f"[\"']{kind}[\"']" for kind in KINDS.keys() - {"box"}))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.joint_limits import LEAST_DETERMINED, Limits, TwistLimits
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from tests.rendering import mocap

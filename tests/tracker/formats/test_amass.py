@@ -12,8 +12,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from keypose.app.export.import_motion import fit_to_session
-from keypose.tracker.body.body import PEOPLE, Body, preset
+from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import height, with_clavicles
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError
 from keypose.tracker.formats.joint_names import matched

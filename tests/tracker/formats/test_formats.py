@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import PEOPLE, Body, Part, preset
+from keypose.tracker.body.body import Body, Part, preset
 from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory

@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from keypose.tracker.body.body import PEOPLE, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.modify import with_clavicles
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import FormatError

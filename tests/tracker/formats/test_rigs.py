@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import PEOPLE, Part, preset
+from keypose.tracker.body.body import Part, preset
 from keypose.tracker.body.modify import with_clavicles
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.shapes import Cylinder
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import FormatError

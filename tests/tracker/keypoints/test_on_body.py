@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import PEOPLE, Body, preset
+from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from keypose.tracker.body.preset_names import PEOPLE
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.geometry.rotations import exp_rotation
 from keypose.tracker.keypoints.keypoints import JOINTS

@@ -11,8 +11,9 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from keypose.tracker.body.body import PRESETS, preset
+from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import Pose, pose_transforms
+from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.camera_path import CameraPath

@@ -1,1 +1,1 @@
-"""Hold the bodies of the product, a JSON file each, as `python -m bench.bodies` wrote them."""
+"""Hold the bodies of the product, a JSON file each, as `python -m bench.presets` wrote them."""

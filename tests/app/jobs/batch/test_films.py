@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from keypose.app.jobs.batch.films import films_in, placed, read_table
-from keypose.app.orders import film as orders
 from keypose.app.orders.film import FilmOrder, FilmToDraft
-from keypose.tracker.body import body
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError
 
 
@@ -146,7 +144,3 @@ def test_several_people_of_one_film_have_sessions_by_their_names(tmp_path: Path)
 def test_a_table_is_no_film(tmp_path: Path) -> None:
     with pytest.raises(SessionError, match="is a table: `keypose batch"):
         films_in([table(tmp_path, "film", "a.mp4")])
-
-
-def test_bodies_that_may_be_named_are_those_of_people() -> None:
-    assert orders.PEOPLE == body.PEOPLE

@@ -56,12 +56,16 @@ def test_every_segment_is_tracked_and_reported(path: Path) -> None:
     assert sum(step.segment is not None for step in steps) == 2
 
 
-def test_of_several_bodies_the_first_alone_is_tracked_which_is_said(path: Path) -> None:
+def test_every_body_is_tracked_and_what_became_of_each_is_said(path: Path) -> None:
     save_session(of_two(load_session(path)), path)
-    summary, _ = done(path)
-    (words,) = summary.notes
-    assert "Of body (small) and second (small) a batch takes body alone" in words
-    assert [body.results is not None for body in load_session(path).bodies] == [True, False]
+    summary, steps = done(path)
+    assert (summary.state, summary.notes) == (
+        "tracked",
+        ("second (small): 2 check of 2 segments.",),
+    )
+    assert sum(step.segment is not None for step in steps) == 4
+    assert [body.results is not None for body in load_session(path).bodies] == [True, True]
+    assert done(path, missing_only=True)[0].state == "kept"
 
 
 def test_with_all_results_fitting_nothing_is_left_to_do(path: Path) -> None:

@@ -1,11 +1,12 @@
-"""`python -m bench.bodies`: write the bodies that come with the product anew."""
+"""`python -m bench.presets`: write the bodies that come with the product anew."""
 
 from __future__ import annotations
 
-from bench.bodies.animals import DOG, HORSE, make_animal
-from bench.bodies.people import as_json, make_body, make_objects
 from bench.keeping import ROOT
-from keypose.tracker.body.body import PEOPLE, Body
+from bench.presets.animals import DOG, HORSE, make_animal
+from bench.presets.people import as_json, make_body, make_objects
+from keypose.tracker.body.body import Body
+from keypose.tracker.body.preset_names import PEOPLE
 
 FOLDER = ROOT / "tracker" / "body" / "presets"
 

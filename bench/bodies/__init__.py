@@ -1,1 +1,0 @@
-"""Write the bodies that come with the product: `python -m bench.bodies`."""

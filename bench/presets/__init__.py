@@ -1,0 +1,1 @@
+"""Write the bodies that come with the product: `python -m bench.presets`."""
