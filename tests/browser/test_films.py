@@ -83,13 +83,33 @@ def work(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 
 @pytest.fixture
-def at(work: Desk) -> Desk:
+def at(work: Desk) -> Iterator[Desk]:
     work.fresh()
-    return work
+    yield work
+    if large(work).is_visible():
+        work.page.keyboard.press("7")
 
 
 def card(at: Desk) -> Locator:
     return at.page.locator(f'.filmcard[data-film="{ID}"]')
+
+
+def large(at: Desk) -> Locator:
+    """The film in the place beside the first."""
+    return at.page.locator("#film")
+
+
+def go(at: Desk, frame: int) -> None:
+    at.visitor.do(do="go", frame=frame)
+    until(lambda: section(at.page, "view.frame") == frame, "the moment")
+
+
+def enlarged(at: Desk) -> None:
+    """At the frame 24, whose picture is the film's 21st, with the film beside the first."""
+    go(at, 24)
+    at.page.keyboard.press("7")
+    large(at).locator("canvas.vid[data-frame='21']").wait_for()
+    large(at).locator("canvas.figure[data-frame='24']").wait_for()
 
 
 def shown(at: Desk) -> Any:
@@ -107,7 +127,7 @@ def test_the_picture_of_the_moment_is_shown_with_the_body_where_its_camera_sees_
     at: Desk,
 ) -> None:
     card(at).get_by_text("This film does not show this moment.").wait_for()
-    at.visitor.do(do="go", frame=24)
+    go(at, 24)
     until(lambda: shown(at) == ("21", "24"), "the frame of the moment")
     settled(at.page)
     box = at.page.evaluate(BODY, ID)
@@ -124,7 +144,7 @@ def test_the_picture_of_the_moment_is_shown_with_the_body_where_its_camera_sees_
 
 
 def test_it_lies_over_no_bar_and_no_tool(at: Desk) -> None:
-    at.visitor.do(do="go", frame=24)
+    go(at, 24)
     until(lambda: shown(at) == ("21", "24"), "the frame of the moment")
     for size in ((1366, 768), (1280, 720)):
         at.page.set_viewport_size({"width": size[0], "height": size[1]})
@@ -141,7 +161,7 @@ def test_it_lies_over_no_bar_and_no_tool(at: Desk) -> None:
 
 
 def test_the_body_over_it_follows_a_drag_before_the_pose_is_let_go(at: Desk) -> None:
-    at.visitor.do(do="go", frame=24)
+    go(at, 24)
     until(lambda: shown(at) == ("21", "24"), "the frame of the moment")
     before = at.page.evaluate(PAINTED)
     x, y = spot(at.page, "left_hand")
@@ -153,17 +173,17 @@ def test_the_body_over_it_follows_a_drag_before_the_pose_is_let_go(at: Desk) -> 
 
 
 def test_its_clock_is_moved_by_buttons_keys_and_typing_and_each_is_undone(at: Desk) -> None:
-    at.visitor.do(do="go", frame=24)
+    go(at, 24)
     later = card(at).get_by_role("button", name="Film begins one frame later")
     later.click()
-    assert begins(at) == pytest.approx(BEGINS + 1)
+    until(lambda: begins(at) == pytest.approx(BEGINS + 1), "a frame later")
     until(lambda: shown(at)[0] == "20", "the picture before")
     at.page.keyboard.down("Shift")
     card(at).get_by_role("button", name="Film begins one frame earlier").click()
     at.page.keyboard.up("Shift")
-    assert begins(at) == pytest.approx(BEGINS + 0.9)
+    until(lambda: begins(at) == pytest.approx(BEGINS + 0.9), "a tenth earlier")
     at.page.keyboard.press("Control+.")
-    assert begins(at) == pytest.approx(BEGINS + 1.9)
+    until(lambda: begins(at) == pytest.approx(BEGINS + 1.9), "another frame later")
     field = card(at).get_by_role("spinbutton")
     field.click()
     field.fill("7.25")
@@ -195,18 +215,16 @@ def test_its_strip_is_dragged_along_the_timeline_as_one_step(at: Desk) -> None:
 
 
 def test_a_picture_that_is_held_is_aligned_with_the_frame_that_shows_the_same(at: Desk) -> None:
-    at.visitor.do(do="go", frame=24)
-    at.page.keyboard.press("7")
+    enlarged(at)
     bar = at.page.locator("#fclock")
     bar.get_by_role("button", name="Hold its picture").click()
-    at.visitor.do(do="go", frame=30)
-    until(lambda: section(at.page, "view.frame") == 30, "the other moment")
-    at.page.locator("#film canvas.vid[data-frame='21']").wait_for()
+    bar.get_by_role("button", name="Let go of its picture").wait_for()
+    go(at, 30)
+    large(at).locator("canvas.vid[data-frame='21']").wait_for()
     screen(at.page, "films-7-held")
     bar.get_by_role("button", name="Align here").click()
     until(lambda: begins(at) == 9.0, "frame 21 at frame 30")
     bar.get_by_role("button", name="Hold its picture").wait_for()
-    at.page.keyboard.press("7")
 
 
 def test_where_it_may_begin_as_well_is_one_press_away_and_its_camera_is_found_for_it(
@@ -218,9 +236,9 @@ def test_where_it_may_begin_as_well_is_one_press_away_and_its_camera_is_found_fo
 
 
 def test_a_click_lays_it_beside_the_first_film_and_a_key_back_into_its_corner(at: Desk) -> None:
-    at.visitor.do(do="go", frame=24)
+    go(at, 24)
     card(at).locator(".filmpic").click()
-    film = at.page.locator("#film")
+    film = large(at)
     film.locator("canvas.vid[data-frame='21']").wait_for()
     film.locator("canvas.figure[data-frame='24']").wait_for()
     both = [at.page.locator(name).bounding_box() for name in ("#main", "#film")]
@@ -228,29 +246,26 @@ def test_a_click_lays_it_beside_the_first_film_and_a_key_back_into_its_corner(at
     assert both[1] is not None
     assert both[0]["x"] + both[0]["width"] <= both[1]["x"]
     assert abs(both[0]["width"] - both[1]["width"]) <= 2
-    assert not at.page.locator("#views .view").first.is_visible()
+    at.page.locator("#views .view").first.wait_for(state="hidden")
     screens(at.page, "films-2-large")
     at.page.keyboard.press("7")
     card(at).wait_for()
-    assert at.page.locator("#views .view").first.is_visible()
-    assert not film.is_visible()
+    at.page.locator("#views .view").first.wait_for()
+    film.wait_for(state="hidden")
 
 
 def test_a_hand_is_dragged_there_and_the_first_film_shows_its_line_of_sight(at: Desk) -> None:
-    at.visitor.do(do="go", frame=24)
-    at.page.keyboard.press("7")
-    at.page.locator("#film canvas.vid[data-frame]").wait_for()
+    enlarged(at)
     x, y = spot(at.page, "left_hand", "film")
     drag(at.page, (x, y), (x + 20, y - 25), drop=False)
     until(lambda: at.page.locator("#main .hands .depth").count() == 1, "the line of sight")
-    seen = spot(at.page, "left_hand", "film")
-    assert seen == pytest.approx((x + 20, y - 25), abs=3)
+    there = pytest.approx((x + 20, y - 25), abs=3)
+    until(lambda: spot(at.page, "left_hand", "film") == there, "the hand at the pointer")
     screen(at.page, "films-5-drag")
     at.page.mouse.up()
     answered(at.page)
-    assert at.page.locator("#main .hands .depth").count() == 0
+    until(lambda: at.page.locator("#main .hands .depth").count() == 0, "no line of sight")
     assert section(at.page, "undo.undo") is not None
-    at.page.keyboard.press("7")
 
 
 def test_a_film_is_removed_from_its_menu_and_back_after_undo(at: Desk) -> None:
