@@ -56,7 +56,7 @@ def _lines(stood_body: BodyStood) -> tuple[str, ...]:
     done, soles = stood_body.done, stood_body.soles
     held = [pin for stretch in stood_body.results.space(done.session) for pin in stretch.pins]
     return (
-        standing_words(done),
+        standing_words(done, beside=stood_body.beside),
         *(() if soles is None else (soles_words(soles),)),
         *(pin_sentence(pin) for pin in held if pin.keyframe is not None),
     )

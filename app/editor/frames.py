@@ -7,6 +7,11 @@ them over the picture. Where the camera stands still all of these are one.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
 from keypose.app.editor.documents import film_of
 from keypose.app.posing import (
     Eye,
@@ -20,6 +25,9 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.view import ViewName
 from keypose.tracker.session.between_views import T_film_first, lens_in
 from keypose.tracker.session.schema import Session
+
+BESIDE_M: Final = 0.6
+"""How far beside another body one stands that nobody has posed yet."""
 
 
 def up_of(doc: Session, frame: int) -> tuple[float, float, float]:
@@ -55,5 +63,13 @@ def pointer_views(
 
 
 def first_pose(doc: Session) -> Pose:
-    """Where a body stands before anybody posed it."""
-    return opening_pose(doc.subject.body, doc.view.camera, doc.world.up)
+    """Where a body stands before anybody posed it: beside one that is posed, where there is one, on
+    the side where the picture has more room."""
+    pose = opening_pose(doc.subject.body, doc.view.camera, doc.world.up)
+    others = (body for body in doc.bodies if body.id != doc.subject.id)
+    neighbour = next((each for body in others for each in (*body.keyframes, *body.drafts)), None)
+    if neighbour is None or doc.view.camera.telephoto_distance_m is not None:
+        return pose
+    p_beside = np.array(neighbour.root_m)
+    p_beside[0] += -BESIDE_M if p_beside[0] > 0 else BESIDE_M
+    return replace(pose, p_camera_root=p_beside)

@@ -12,6 +12,8 @@ from keypose.app.editor.documents import ActionRefused, Posed
 from keypose.app.editor.state import EditorState
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array, rotation_between
+from keypose.tracker.review.places import drafts_to_confirm
+from keypose.tracker.session.annotations import DraftPlace
 from keypose.tracker.session.keyframe import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
@@ -84,6 +86,15 @@ def counts(state: EditorState, draft: Keyframe) -> bool:
     what is tracked there by now.
     """
     return not draft.is_found or state.tracked(draft.frame) is None
+
+
+def places_to_confirm(state: EditorState) -> list[DraftPlace]:
+    """Where a person should say whether the draft is right, by frame."""
+    if state.doc.subject.drafted is None:
+        return []
+    waiting = {draft.frame for draft in state.doc.subject.drafts if counts(state, draft)}
+    frames = waiting.intersection(drafts_to_confirm(state.doc))
+    return [place for place in state.doc.subject.drafted.places if place.frame in frames]
 
 
 def is_met(state: EditorState, keyframe: Keyframe) -> bool:

@@ -238,12 +238,13 @@ class EditorState:
         doc = up_to_date(doc)
         if doc.subject.pins is not self.doc.subject.pins:
             self = replace(self, proposed_pins=self.proposals)
-        if doc.subject.id != self.doc.subject.id:
-            self = self._of_no_body()
+        is_another = doc.subject.id != self.doc.subject.id
+        if is_another:
+            self = replace(self._of_no_body(), opening=first_pose(doc))
         if doc.subject.body is self.doc.subject.body:
             return replace(self, doc=doc, opening=self._opening_for(doc))
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.subject.body))
-        if doc.subject.body.names == self.doc.subject.body.names:
+        if is_another or doc.subject.body.names == self.doc.subject.body.names:
             return changed
         return replace(changed, opening=first_pose(doc))
 

@@ -58,21 +58,37 @@ def stood(
 
     path: of its file.  results: what was tracked.
     """
+    done = _standing(session, path, results, cancelled)
+    return done, resolved(done.session, results, cancelled)
+
+
+def _standing(
+    session: Session,
+    path: Path,
+    results: Results,
+    cancelled: Callable[[], bool] | None = None,
+    *,
+    tilts: bool = True,
+) -> Standing:
     from keypose.tracker.operations.stand import stand  # loads what only this needs
     from keypose.tracker.storage.tracks import load_tracks
 
     up_evidence = _seen(session, path)
     motion = None if session.subject.results is None else load_tracks(session, path)
-    done = stand(session, results.fitting(session), up_evidence, cancelled, motion=motion)
-    return done, resolved(done.session, results, cancelled)
+    fitting = results.fitting(session)
+    return stand(session, fitting, up_evidence, cancelled, motion=motion, tilts=tilts)
 
 
 @dataclass(frozen=True, eq=False)
 class BodyStood:
-    """What became of one body: how it stands, and its results with the motion solved for there."""
+    """What became of one body: how it stands, and its results with the motion solved for there.
+
+    beside: whether it stands on the floor of another one.
+    """
 
     done: Standing
     results: Results
+    beside: bool = False
 
     @property
     def soles(self) -> Soles | None:
@@ -97,16 +113,18 @@ def stood_together(
         about = whole.about(body_id)
         try:
             if standing:
-                done = stood_beside(
-                    about, whole.world, lambda there: stood(there, path, _loaded(there, path))[0]
+                results = _loaded(about, path)
+                stand_there = partial(
+                    _standing, path=path, results=results, cancelled=cancelled, tilts=False
                 )
-                results = resolved(done.session, _loaded(about, path), cancelled)
+                done = stood_beside(about, whole.world, stand_there)
+                results = resolved(done.session, results, cancelled)
             else:
                 done, results = stood(about, path, _loaded(about, path), cancelled)
         except SessionError as error:
             refused[body_id] = str(error)
             continue
-        standing[body_id] = BodyStood(done, results)
+        standing[body_id] = BodyStood(done, results, bool(standing))
         whole = done.session.about(session.subject.id)
     if not standing:
         words = (after_id(words, body_id, session) for body_id, words in refused.items())
@@ -205,6 +223,7 @@ class StandOnFloor(Fit):
                 fitting=fitting,
                 up_evidence=seen_upright.evidence,
                 cancelled=context.cancelled,
+                tilts=not standing,
             )
             about = whole.about(body_id)
             try:

@@ -130,7 +130,9 @@ class Track(Job):
     def closing(self, cancelled: bool, results: Results) -> JobState:
         """What is shown at its end: what there is of the segments that were to be tracked."""
         state: Ending = "cancelled" if cancelled else "done"
-        title = "Cancelled" if cancelled else f"{self.verbs[1]} {spans_text(self.spans)}"
+        title = (
+            "Cancelled" if cancelled else f"{self.verbs[1]} {spans_text(self.spans)}{self.whose}"
+        )
         segment_results = [results.by_key.get(key) for *_, key in self.wanted]
         worst = worst_of(track.kind for track in segment_results if track is not None)
         return JobState(state, title, closing_words(state, segment_results), 100, worst=worst)

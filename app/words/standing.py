@@ -23,20 +23,17 @@ MOST_NAMED: Final = 3
 """Places that are named one by one."""
 
 
-def standing_words(done: Standing) -> str:
-    """Such as "12 pins on the floor, 10 of them new; 9 keyframes give way in depth."."""
+def standing_words(done: Standing, *, beside: bool = False) -> str:
+    """Such as "12 pins on the floor, 10 of them new; 9 keyframes give way in depth.".
+
+    beside: whether it stands on the floor of another body, of which what is up was said.
+    """
     pins = _count(done.on_floor, "pin")
     new = f", {done.taken} of them new" if done.taken else ""
     soft = len(done.softened)
     gives = f"; {_count(soft, 'keyframe')} {'gives' if soft == 1 else 'give'} way in depth"
     words = [f"{pins} on the floor{new}{gives if soft else ''}."]
-    if not done.session.has_up_of_hand:
-        words.append(up_words(done.up))
-    elif done.up.apart:
-        words.append(f"{apart_words(done.up)} Check the horizon.")
-    if round(np.degrees(done.tilted_rad)):
-        turned = f"{np.degrees(done.tilted_rad):.0f}°"
-        words.append(f"Up was turned by {turned}, to where feet stand level.")
+    words += [] if beside else _up_sentences(done)
     words += [f"{_named(pin)} stands higher and was left there." for pin in _some(done.raised)]
     motion = done.session.view.camera_motion
     words += way_sentences(motion) if motion is not None and done.scaled else []
@@ -44,6 +41,19 @@ def standing_words(done: Standing) -> str:
         frames = named_frames(first, last)
         words.append(f"The scale of the camera's path is not known in {frames}: no pins there.")
     return " ".join([*words, *_pin_words(done)])
+
+
+def _up_sentences(done: Standing) -> list[str]:
+    """What is up, what it rests on, and by how much feet turned it."""
+    words = []
+    if not done.session.has_up_of_hand:
+        words.append(up_words(done.up))
+    elif done.up.apart:
+        words.append(f"{apart_words(done.up)} Check the horizon.")
+    if round(np.degrees(done.tilted_rad)):
+        turned = f"{np.degrees(done.tilted_rad):.0f}°"
+        words.append(f"Up was turned by {turned}, to where feet stand level.")
+    return words
 
 
 def _pin_words(done: Standing) -> list[str]:
@@ -109,5 +119,8 @@ def bodies_stand_words(
     if len(standing) + len(refused) == 1:
         ((_, done),) = standing.items()
         return standing_words(done)
-    stand = [f"{names[body_id]}: {standing_words(done)}" for body_id, done in standing.items()]
+    stand = [
+        f"{names[body_id]}: {standing_words(done, beside=place > 0)}"
+        for place, (body_id, done) in enumerate(standing.items())
+    ]
     return " ".join([*stand, *(f"{names[body_id]}: {why}" for body_id, why in refused.items())])

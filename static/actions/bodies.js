@@ -1,9 +1,10 @@
 // Several bodies in one film: which one is posed, and what it is called.
 
-import { bodies, bodyNamed, posedBody } from '../store/bodies.js';
+import { bodies, bodiesBeside, bodyNamed, posedBody } from '../store/bodies.js';
 import { isSurface } from '../store/clip.js';
 import { send } from '../store/link.js';
 import { server, setUi } from '../store/state.js';
+import { count } from '../controls/words.js';
 
 const MOST = 32;
 
@@ -28,6 +29,23 @@ export function poseMessage(id) {
   const all = bodies();
   const next = all[(all.findIndex(({ posed }) => posed) + 1) % all.length];
   return { do: 'pose_body', body: id ?? next?.id ?? '' };
+}
+
+/** The body to go on with: where the posed one has no place to confirm, another that has; where it is good,
+ * one that is not. @returns {import('../store/shapes.js').BodyOfScene | undefined} */
+export function bodyAhead() {
+  if (server.draft?.proposals.length) return undefined;
+  const drafted = bodiesBeside().find(({ places }) => places.length);
+  if (drafted || server.suggest?.kind !== 'good') return drafted;
+  return bodiesBeside().find(({ open, worst }) => open || (worst && worst !== 'good'));
+}
+
+/** "2 places to confirm": what there is to do with it. @param {import('../store/shapes.js').BodyOfScene} body */
+export function leftToDo({ places, open, segments, worst }) {
+  if (places.length) return `${count(places.length, 'place')} to confirm`;
+  if (open) return `${count(open, 'segment')} to track`;
+  const number = segments.filter(({ state }) => state === worst).length;
+  return worst && worst !== 'good' ? `${count(number, 'segment')} ${worst === 'lost' ? 'lost' : 'to check'}` : '';
 }
 
 /** @param {string} [id] */

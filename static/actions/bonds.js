@@ -21,6 +21,9 @@ export function ownEnd({ holder, held }, part = selectedPart()) {
 /** @param {Bond} bond */
 export const otherEnd = (bond, part = selectedPart()) => (ownEnd(bond, part) === bond.holder ? bond.held : bond.holder);
 
+/** Those between the posed body and this one. @param {string} id */
+export const bondsWith = (id) => allBonds().filter(({ holder, held }) => [holder.body, held.body].includes(id));
+
 /** Those of a part. @returns {Bond[]} */
 export const bondsOf = (part) => allBonds().filter((bond) => ownEnd(bond, part).part === part?.name);
 

@@ -4,6 +4,7 @@
 import { server, setUi, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { paced } from '../controls/gesture.js';
+import { bodyAhead, poseMessage } from './bodies.js';
 import { clampFrame, lastFrame } from '../store/clip.js';
 
 /** Where this tab has sent the playhead: {frame, n}, n null until it is sent. */
@@ -137,10 +138,12 @@ export function suggestedFrame() {
   return to === null && kind === 'pose' && keyFrames().length === 0 ? frame() : to;
 }
 
-/** To the frame to key next. */
+/** To the frame to key next, or to the body to go on with. */
 export function next() {
-  const to = suggestedFrame();
+  const body = bodyAhead();
+  const to = body ? (body.places[0] ?? null) : suggestedFrame();
   stopPlaying();
+  if (body) send(poseMessage(body.id));
   if (to !== null) goTo(to);
 }
 

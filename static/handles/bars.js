@@ -15,6 +15,7 @@ import {
 } from '../actions/drafting.js';
 import { noteAt, noteAsOneLine } from '../actions/keying.js';
 import { partKeyAt } from '../actions/parts.js';
+import { bodies, posedBody } from '../store/bodies.js';
 import { placesToConfirm } from '../actions/playhead.js';
 import { beyondKeys, noMotionYet, segmentsHere } from '../actions/tracking.js';
 import { button, iconButton } from '../controls/fields.js';
@@ -193,7 +194,7 @@ export function draftbar() {
   const at = nobody && boxFrameFor(draft);
   return html`<div class="glass row ${nobody || person ? 'lacking' : ''}" id="mdraft" role="status">
     ${icon(nobody || person ? 'warn' : 'check')}
-    <span>${
+    <span>${bodies().length > 1 ? `${posedBody()?.name}: ` : ''}${
       nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`
     } ${person}</span>
     ${restCount() ? actionButton('draftRest', undefined, { name: undefined }) : nothing}

@@ -10,5 +10,8 @@ export const bodies = () => server.bodies ?? [];
 /** @returns {BodyOfScene | undefined} */
 export const posedBody = () => bodies().find(({ posed }) => posed);
 
+/** Those that are not posed. @returns {BodyOfScene[]} */
+export const bodiesBeside = () => bodies().filter(({ posed }) => !posed);
+
 /** @param {string} id @returns {BodyOfScene | undefined} */
 export const bodyNamed = (id) => bodies().find((body) => body.id === id);

@@ -5,6 +5,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
 import { applySizes, isPreview, outdatedWords } from '../actions/proposals.js';
+import { bodyAhead, leftToDo } from '../actions/bodies.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { isElsewhere, isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
@@ -65,12 +66,19 @@ function drawSuggestion() {
   if (ui.reviewLeft && placesToReview().length) return interrupted();
   if (!confirmation() && proposedPins().length) return drawProposals();
   if (!confirmation() && contradictions().length) return drawContradictions();
-  const suggest = confirmation() ?? server.suggest;
+  const suggest = confirmation() ?? nextBody() ?? server.suggest;
   if (!suggest) return html`<div class="row sug none"></div>`;
   const atWork = isUnderWay(suggest);
   const { title, words } = atWork ? server.job : { title: suggest.title, words: detailOf(suggest) };
   const buttons = atWork ? html`<span class="pad"></span>` : suggestionButton(suggest);
-  return strip(suggest.kind, SUGGESTION_ICONS[suggest.kind] ?? 'keyadd', title, words, buttons, `${title}. ${words}`);
+  return strip(
+    suggest.kind,
+    suggest.sign ?? SUGGESTION_ICONS[suggest.kind] ?? 'keyadd',
+    title,
+    words,
+    buttons,
+    `${title}. ${words}`,
+  );
 }
 
 const strip = (
@@ -177,7 +185,23 @@ function confirmation() {
   };
 }
 
+/** Another body waits. */
+function nextBody() {
+  const body = bodyAhead();
+  if (!body) return null;
+  const kind = body.places.length ? 'confirm' : body.open ? 'track' : 'look';
+  return {
+    kind: 'body',
+    frame: null,
+    sign: SUGGESTION_ICONS[kind],
+    title: `${body.name}: ${leftToDo(body)}`,
+    detail: '',
+    ahead: null,
+  };
+}
+
 function suggestionButton({ frame: to, kind, ahead }) {
+  if (kind === 'body') return primary('suggestedFrame', 'Go', titleOf('poseBody'));
   if (kind === 'track') return primary('trackChanged', subject().verb);
   const isAbout = kind === 'key' || kind === 'look';
   if (ahead && !isAbout) return aheadButton(ahead);

@@ -23,7 +23,7 @@
  * @typedef {object} Mark
  * @property {string} kind
  * @property {Layer[]} [layers]
- * @property {'keys' | 'camera' | 'films'} [row]  The row that it is hit in alone.
+ * @property {'keys' | 'bodies' | 'camera' | 'films'} [row]  The row that it is hit in alone.
  * @property {(place: Place, stage: Stage) => any} [hit]
  * @property {string | ((what: any) => string)} [cursor]
  * @property {boolean} [edits]

@@ -1,6 +1,7 @@
 // The marks of the timeline. Where two lie over each other the pointer means the one that stands first here.
 
 import { isIn } from './draw/scale.js';
+import { bodyRow, bond } from './marks/bodies.js';
 import { cameraFinding, cameraKey, cameraLane } from './marks/camera.js';
 import { curveKey } from './marks/curve_keys.js';
 import { draft } from './marks/drafts.js';
@@ -33,6 +34,8 @@ export const MARKS = [
   draft,
   segment,
   keysRow,
+  bond,
+  bodyRow,
   cameraKey,
   cameraFinding,
   cameraLane,

@@ -1,8 +1,9 @@
-// The rows of pins, of the camera and of other films come and go.
+// The rows of pins, of the camera, and of other bodies and films come and go.
 
 import { motion } from '../actions/camera.js';
 import { allPins, proposedPins } from '../actions/pins.js';
 import { server } from '../store/state.js';
+import { bodiesHeight } from './marks/bodies.js';
 import { filmsHeight } from './marks/films.js';
 
 /** Whether there is anything to give the row of pins to. */
@@ -12,23 +13,23 @@ export const hasPins = () => allPins().length + proposedPins().length > 0;
 export const hasCamera = () => motion() !== null;
 
 /** The timeline gets its row with the first pin or proposal, with the camera's motion, and with every other
- * film, once, and never under a pressed pointer. */
+ * body and film, once, and never under a pressed pointer. */
 export function followRows() {
   const { dataset, style } = document.documentElement;
   const wanted = { pins: wants(hasPins()), camera: wants(hasCamera()) };
-  const films = `${server.file ? filmsHeight() : 0}px`;
+  const more = `${server.file ? bodiesHeight() + filmsHeight() : 0}px`;
   const isSame = dataset.pins === wanted.pins && dataset.camera === wanted.camera;
-  if (isSame && style.getPropertyValue(FILMS) === films) return;
+  if (isSame && style.getPropertyValue(MORE) === more) return;
   if (isPointerDown) {
     onRelease = followRows;
     return;
   }
   Object.assign(dataset, wanted);
-  style.setProperty(FILMS, films);
+  style.setProperty(MORE, more);
 }
 
-/** What the row of films adds to the timeline's height. */
-const FILMS = '--h-films';
+/** What the rows of bodies and films add to the timeline's height. */
+const MORE = '--h-more';
 
 const wants = (has) => (has && server.file ? 'yes' : 'no');
 

@@ -4,6 +4,7 @@ import { clamp } from '../controls/arithmetic.js';
 import { html, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { anyLane, lanesOf } from './marks/lanes.js';
+import { bodiesHeight } from './marks/bodies.js';
 import { filmsHeight } from './marks/films.js';
 import { bottomOf } from './marks/scores.js';
 import { followRows, hasCamera, hasPins, watchPointer } from './more_rows.js';
@@ -43,6 +44,8 @@ const WATCHED = [
   'pins',
   'proposed_pins',
   'camera_motion',
+  'bodies',
+  'bonds',
   'films',
   'films_seen',
   'notes',
@@ -118,15 +121,16 @@ function measure(drawing) {
   setUi('timeSize', { width, height });
 }
 
-const rows = memoize((height, zoomed, lanes, weakest, pins, camera, films) =>
-  rowsFor({ height, zoomed, lanes, weakest, pins, camera, films }),
+const rows = memoize((height, zoomed, lanes, weakest, pins, camera, bodies, films) =>
+  rowsFor({ height, zoomed, lanes, weakest, pins, camera, bodies, films }),
 );
 
 /** @returns {import('./mark.js').Stage} */
 function ground() {
   const folded = areFolded() || isCramped(ui.timeSize.height);
   const lanes = lanesOf(server.lanes, server.body, folded, ui.timeOpen);
-  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded, hasPins(), hasCamera(), filmsHeight());
+  const own = [hasPins(), hasCamera(), bodiesHeight(), filmsHeight()];
+  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded, ...own);
   const most = Math.max(0, box.lanes.full - box.lanes.room);
   // Whole lanes: a wheel of fine steps adds up until the next one comes.
   const scroll = Math.round(Math.min(ui.timeScroll, most) / box.lanes.each) * box.lanes.each;

@@ -135,11 +135,11 @@ function nudge(event, name) {
   describeSize(event.currentTarget, name);
 }
 
-/** What the chart of a joint's angle and the strips of films add to the timeline meanwhile, px. */
+/** What the chart of a joint's angle and the rows of bodies and films add to the timeline meanwhile, px. */
 function addedHeight() {
   const style = getComputedStyle(document.documentElement);
   const px = (name) => parseFloat(style.getPropertyValue(name)) || 0;
-  return px('--h-chart') + px('--h-films');
+  return px('--h-chart') + px('--h-more');
 }
 
 /** The size now, in pixels. */

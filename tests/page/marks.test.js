@@ -6,13 +6,14 @@ import { beforeEach, test } from 'node:test';
 import * as selection from '../../static/actions/selection.js';
 import { showAll, showFrames } from '../../static/actions/window.js';
 import { server, ui } from '../../static/store/state.js';
+import { bodiesHeight } from '../../static/timeline/marks/bodies.js';
 import { filmsHeight } from '../../static/timeline/marks/films.js';
 import { MARKS, under } from '../../static/timeline/marks.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 const WIDTH = scale.left() + 1000 + 26;
 
-/** What the drawing stands on: 400 px high, with two lanes and rows of pins, the camera and another film. */
+/** What the drawing stands on: 400 px high, with two lanes and rows of pins, the camera, another body and film. */
 function stage() {
   const lanes = [
     { label: 'Arm', parts: ['hand'] },
@@ -27,6 +28,7 @@ function stage() {
       weakest: false,
       pins: true,
       camera: true,
+      bodies: bodiesHeight(),
       films: filmsHeight(),
     }),
     lanes,
@@ -68,6 +70,11 @@ beforeEach(() => {
         { kind: 'rolling_shutter', first: 0, last: 100, words: '' },
       ],
     },
+    bodies: [
+      { id: 'p', name: 'Ann', posed: true, keys: [20, 40, 60], places: [], segments: [] },
+      { id: 'q', name: 'Racket', posed: false, keys: [10, 30], places: [90], segments: [], open: 1, worst: null },
+    ],
+    bonds: [{ index: 3, holder: { body: 'p', part: 'hand' }, held: { body: 'q', part: 'grip' }, first: 40, last: 50 }],
     films: [{ id: 'b', name: 'side.mp4', frames: 41, frame: 0, begins: 20, rate: 0.5, sigma: 0.1, also: [70] }],
     films_seen: { seen: { a: [[0, 100]], b: [[30, 60]] }, disagree: [[40, 44]], places: {} },
     curve: { part: 'shin', x: Array.from({ length: 101 }, (_, i) => i) },
@@ -95,6 +102,9 @@ test('each mark is found where it is drawn, and the frames everywhere else', () 
     ['box', kindAt(95, middle())],
     ['pin', kindAt(20, rows.pins.y + 20)],
     ['proposal', kindAt(70, rows.pins.y + 20)],
+    ['body', kindAt(30, rows.bodies.y + 9)],
+    ['bond', kindAt(44, rows.bodies.y + 17)],
+    ['body', kindAt(60, rows.bodies.y + 17)],
     ['camera_key', kindAt(40, rows.camera.y + 9)],
     ['camera_finding', kindAt(55, rows.camera.y + 9)],
     ['camera', kindAt(80, rows.camera.y + 9)],

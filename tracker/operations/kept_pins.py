@@ -87,14 +87,19 @@ def without_harm(
     proposed: Collection[Pin],
     fitting: Mapping[Span, SegmentResult],
     cancelled: Cancelled = None,
+    *,
+    tilts: bool = True,
 ) -> Kept:
     """The session on its floor without those of the proposed pins that would harm its motion, the
-    others kept whatever they do; SessionError where no foot could stay on the floor."""
+    others kept whatever they do; SessionError where no foot could stay on the floor.
+
+    tilts: whether the floor may.
+    """
     tracked = {span: segment_result.as_tracked for span, segment_result in fitting.items()}
     released: list[Harm] = []
     starts: dict[int, Trajectory] = {}
     for left in reversed(range(ROUNDS)):
-        floored, runs = _floored(session, stretches(session, tracked), starts, cancelled)
+        floored, runs = _floored(session, stretches(session, tracked), starts, cancelled, tilts)
         kept = Kept(floored, runs, tuple(released))
         much = [harm for harm in kept.harms if harm.is_too_much and harm.pin in proposed]
         if not much or (cancelled is not None and cancelled()):
@@ -128,19 +133,21 @@ def _floored(
     runs: Sequence[SegmentRun],
     starts: Mapping[int, Trajectory],
     cancelled: Cancelled,
+    tilts: bool,
 ) -> tuple[Session, tuple[Solved, ...]]:
     """The session with the floor with which its longest stretch is solved for, its height and its
-    tilt, which gives way a little; and all stretches on that."""
+    tilt, which gives way a little where it may; and all stretches on that."""
     floored = [run for run in runs if any(pin.floor for pin in run.pins)]
     longest = max(floored, key=lambda run: run.span[1] - run.span[0])
     solved_of_span: dict[Span, Solved] = {}
     for run in (longest, *(run for run in runs if run is not longest)):
         problem = asked(session, run).problem
         start = starts.get(run.span[0])
-        if run is longest:
+        may_tilt = tilts and run is longest
+        if may_tilt:
             tilting = replace(problem, tilt_rad=TILT_GIVES_RAD)
             solution = solve_space(tilting, cancelled, start)
-        if run is not longest or solution.up_world @ problem.up_world < np.cos(MOST_TILT_RAD):
+        if not may_tilt or solution.up_world @ problem.up_world < np.cos(MOST_TILT_RAD):
             solution = solve_space(problem, cancelled, start)
         if run is longest:
             x, y, z = solution.up_world.tolist()

@@ -69,11 +69,14 @@ def stand(
     up_evidence: UpEvidence | None = None,
     cancelled: Callable[[], bool] | None = None,
     motion: Tracks | None = None,
+    *,
+    tilts: bool = True,
 ) -> Standing:
     """Stand the session on its floor; SessionError in one sentence where nobody stands.
 
     fitting: what was tracked, by segment.  up_evidence: what upright lines of the film show
-    of up, in the world.  motion: as it was saved, for why it is out of date.
+    of up, in the world.  motion: as it was saved, for why it is out of date.  tilts: whether the
+    floor may, beside what is known of up; where another body stands it does not.
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
@@ -91,7 +94,7 @@ def stand(
     )
     keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.subject.keyframes)
     stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": None})
-    kept = without_harm(stood, pins[pinned_before:], fitting, cancelled)
+    kept = without_harm(stood, pins[pinned_before:], fitting, cancelled, tilts=tilts)
     pins = kept.session.subject.pins
     return Standing(
         session=kept.session,

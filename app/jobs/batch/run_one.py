@@ -312,7 +312,8 @@ def _stood_words(task: Task, send: SendStep, stop: Event) -> tuple[str, ...]:
 
 def _standing_words(each: BodyStood) -> tuple[str, ...]:
     soles = each.soles
-    return standing_words(each.done), *([] if soles is None else [soles_words(soles)])
+    words = standing_words(each.done, beside=each.beside)
+    return words, *([] if soles is None else [soles_words(soles)])
 
 
 def _reviewed(task: Task, summary: Summary) -> Summary:

@@ -243,7 +243,9 @@ SECTIONS: dict[str, _Section] = {
         space_values.ghosts,
     ),
     "solids": _Section(_doc("body"), space_values.solids),
-    "bodies": _Section(_both(_TRACKED, _bodies), scene_bodies.bodies),
+    "bodies": _Section(
+        _both(_TRACKED, _bodies, _settled("drafts", "drafted")), scene_bodies.bodies
+    ),
     "bonds": _Section(_both(_TRACKED, _bodies, _bonds), bond_values.bonds),
     "solids_beside": _Section(_bodies, scene_bodies.solids_beside),
     "poses_beside": _Section(_both(_bodies, _TRACKED, _edit("frame")), scene_bodies.poses_beside),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from keypose.app.editor.shown import transforms_beside
+from keypose.app.editor.shown import places_to_confirm, transforms_beside
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.render.palette import body_colour
@@ -14,8 +14,8 @@ from keypose.tracker.session.verdict import worst_of
 
 
 def bodies(app_state: AppState) -> Json:
-    """Every body: what it is called, its keyframes, the verdict on its worst segment, and how many
-    have none."""
+    """Every body: what it is called, its keyframes and segments, the verdict on the worst of these,
+    how many have none, and the places of a draft to confirm."""
     edit = app_state.edit
     if edit is None:
         return []
@@ -30,6 +30,7 @@ def bodies(app_state: AppState) -> Json:
             "colour": _hex(place),
             "keys": [keyframe.frame for keyframe in body.keyframes],
             "parts": [{"name": name, "label": part_label(name)} for name in body.body.names],
+            "places": [place.frame for place in places_to_confirm(edit.about(body.id))],
             **_tracked(edit.about(body.id)),
         }
         for place, body in enumerate(doc.bodies)
@@ -37,9 +38,16 @@ def bodies(app_state: AppState) -> Json:
 
 
 def _tracked(alone: EditorState) -> dict[str, Json]:
-    states = list(alone.results.states(alone.settled).values())
-    kinds = [kind for kind in states if kind in ("good", "check", "lost")]
-    return {"worst": worst_of(kinds), "open": len(states) - len(kinds)}
+    states = alone.results.states(alone.settled)
+    kinds = [kind for kind in states.values() if kind in ("good", "check", "lost")]
+    return {
+        "segments": [
+            {"first": first, "last": last, "state": state}
+            for (first, last), state in states.items()
+        ],
+        "worst": worst_of(kinds),
+        "open": len(states) - len(kinds),
+    }
 
 
 def solids_beside(app_state: AppState) -> Json:

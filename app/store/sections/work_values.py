@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 from keypose.app.editor.drafted import frame_runs, frames_of, missing_frames
-from keypose.app.editor.shown import counts
+from keypose.app.editor.shown import counts, places_to_confirm
 from keypose.app.posing import part_label
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json, doc_of
 from keypose.tracker.body.modify import height
-from keypose.tracker.review.places import drafts_to_confirm
 from keypose.tracker.session.schema import Session
 from keypose.tracker.session.settings import TrackSettings
 
@@ -210,7 +209,6 @@ def draft(app_state: AppState) -> Json:
     drafted, waiting = doc.subject.drafted, {draft.frame for draft in doc.subject.drafts}
     if not waiting:
         return None
-    to_confirm = drafts_to_confirm(doc)
     left = set() if drafted.rest is None else {*frames_of(drafted.rest.frames)}
     asked = [f for f in range(drafted.first_frame, drafted.last_frame + 1) if f not in left]
     lacking = missing_frames(drafted)
@@ -237,8 +235,7 @@ def draft(app_state: AppState) -> Json:
                 "reason": place.reason,
                 "parts": [part_label(part) for part in place.parts],
             }
-            for place in drafted.places
-            if place.frame in to_confirm and place.frame not in hidden
+            for place in places_to_confirm(edit)
         ],
     }
 

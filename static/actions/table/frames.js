@@ -1,6 +1,7 @@
 // Going to frames, and playing.
 
 import { ui } from '../../store/state.js';
+import { bodyAhead } from '../bodies.js';
 import { goTo, middle, next, step, suggestedFrame, toFirst, toKey, toLast } from '../playhead.js';
 import {
   clearSpan,
@@ -167,7 +168,7 @@ export const FRAMES = {
     also: 'recommend next best keyframe where',
     label: 'Go to the suggested frame',
     keys: ['N'],
-    off: () => (suggestedFrame() === null ? 'No frame is suggested' : ''),
+    off: () => (suggestedFrame() === null && !bodyAhead() ? 'No frame is suggested' : ''),
     run: next,
   },
   zoomToInterval: {

@@ -110,14 +110,16 @@ const CAMERA = { full: 22, low: 16 };
 /**
  * Rows of a drawing `height` px high with `lanes` lanes; `weakest` says the one lane stands alone;
  * `pins` whether some are to be shown: in a row, or beside the weakest part's lane as a thin line; `camera`
- * whether its motion has a row; `films` how high the row of other films is, 0 without any.
+ * whether its motion has a row; `bodies` and `films` how high the rows of other bodies and films are, 0
+ * without any.
  * Lanes that do not fit are scrolled (`lanes.room` < `lanes.full`); a low drawing drops its curve.
  */
-export function rowsFor({ height, zoomed, lanes, weakest, pins = false, camera = false, films = 0 }) {
+export function rowsFor({ height, zoomed, lanes, weakest, pins = false, camera = false, bodies = 0, films = 0 }) {
   const top = RULER + (zoomed ? OVERVIEW : 0);
   const keys = { y: top, h: KEYS, middle: top + KEYS / 2 };
-  const cameraRow = camera ? { y: top + KEYS, h: weakest ? CAMERA.low : CAMERA.full } : null;
-  const filmsTop = top + KEYS + (cameraRow?.h ?? 0);
+  const bodiesRow = bodies ? { y: top + KEYS, h: bodies } : null;
+  const cameraRow = camera ? { y: top + KEYS + bodies, h: weakest ? CAMERA.low : CAMERA.full } : null;
+  const filmsTop = top + KEYS + bodies + (cameraRow?.h ?? 0);
   const filmsRow = films ? { y: filmsTop, h: films } : null;
   const below = filmsTop + films;
   const forPins = pins ? (weakest ? PINS.thin : PINS.full) + PINS.gap : 0;
@@ -134,7 +136,17 @@ export function rowsFor({ height, zoomed, lanes, weakest, pins = false, camera =
   const curveTop = (lanes === 0 ? below : laneRow.y + seen + 6) + forPins;
   const rest = height - curveTop - 6;
   const curve = rest >= 24 ? { y: curveTop, h: rest } : null;
-  return { height, top, keys, camera: cameraRow, films: filmsRow, lanes: laneRow, pins: pinRow, curve };
+  return {
+    height,
+    top,
+    keys,
+    bodies: bodiesRow,
+    camera: cameraRow,
+    films: filmsRow,
+    lanes: laneRow,
+    pins: pinRow,
+    curve,
+  };
 }
 
 /** Whether a row, where there is one, is at a height. */

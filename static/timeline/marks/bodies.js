@@ -1,0 +1,175 @@
+// The bodies that are not posed, a row each: its keyframes and segments, and below them, as a line, where a
+// part of it holds one of the posed body or is held. A click poses it at that frame.
+
+import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
+import { perform } from '../../actions/actions.js';
+import { bondsWith, otherEnd, ownEnd } from '../../actions/bonds.js';
+import { leftToDo } from '../../actions/bodies.js';
+import { bodyEntries } from '../../actions/context_menus.js';
+import { goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
+import { Stroke } from '../../controls/gesture.js';
+import { openMenuAt } from '../../controls/menu.js';
+import { count, range } from '../../controls/words.js';
+import { bodiesBeside, bodyNamed } from '../../store/bodies.js';
+import { clampFrame } from '../../store/clip.js';
+import { select } from '../../store/parts.js';
+import { server } from '../../store/state.js';
+import { diamond, plate } from '../draw/glyphs.js';
+import { frameAt, GUTTER, nearest, seenOf, snapped, x } from '../draw/scale.js';
+import { held } from '../pointer.js';
+
+/** @typedef {import('../../store/shapes.js').BodyOfScene} BodyOfScene */
+/** @typedef {import('../../store/shapes.js').Bond} Bond */
+
+const ROW = 20;
+/** Of what is drawn in a row, px: keyframes, places to confirm, segments, bonds. */
+const KEY = 4;
+const RING = 4;
+const BAR = 4;
+const BOND = { y: 15, h: 3 };
+const REACH_PX = 6;
+const NAME_LETTERS = 15;
+
+/** What the rows take, px. */
+export const bodiesHeight = () => bodiesBeside().length * ROW;
+
+/** A bond between the posed body and another one, dragged by its ends. @type {import('../mark.js').Mark} */
+export const bond = {
+  kind: 'bond',
+  row: 'bodies',
+  hit(place, { rows }) {
+    const { body, y } = rowAt(rows.bodies, place);
+    if (!body || place.x < GUTTER || y < BOND.y - 2) return null;
+    const one = bondsWith(body.id).find(
+      ({ first, last }) => place.x >= x(first) - REACH_PX && place.x <= x(last) + REACH_PX,
+    );
+    return one ? { index: one.index, end: endAt(one, place.x) } : null;
+  },
+  cursor: 'ew-resize',
+  edits: true,
+  grab({ index, end }, start) {
+    const one = bondNumbered(index);
+    if (!one) return null;
+    const { first, last } = one;
+    const offset = x(end === 'first' ? first : last) - start.x;
+    const stroke = new Stroke('bond', (span) => ({ do: 'change_bond', index, ...span }));
+    stopPlaying();
+    return {
+      move(place) {
+        stroke.move({ [end]: clampFrame(snapped(place.x + offset, place.alt ? [] : keyFrames())) });
+        return { index, end };
+      },
+      end: () => stroke.end(),
+      cancel: () => stroke.cancel(),
+    };
+  },
+  click({ index }) {
+    const one = bondNumbered(index);
+    if (!one) return;
+    select(ownEnd(one).part);
+    goTo(one.first);
+  },
+  tip: ({ index }, rows) => drawBondWords(bondNumbered(index), rows),
+  drag: ({ index }, rows) => drawBondWords(bondNumbered(index), rows),
+};
+
+/** @type {import('../mark.js').Mark} */
+export const bodyRow = {
+  kind: 'body',
+  row: 'bodies',
+  layers: [
+    {
+      group: 'frames',
+      z: 44,
+      from: () => [server.bodies, server.bonds, held('bond')],
+      draw: ({ rows }) =>
+        rows.bodies ? bodiesBeside().map((body, at) => drawRow(body, topOf(rows.bodies, at))) : nothing,
+    },
+    {
+      group: 'above',
+      z: 44,
+      from: () => [server.bodies],
+      draw: ({ rows }) =>
+        rows.bodies ? bodiesBeside().map((body, at) => drawName(body, topOf(rows.bodies, at))) : nothing,
+    },
+  ],
+  hit(place, { rows }) {
+    const { body } = rowAt(rows.bodies, place);
+    return body ? { id: body.id, frame: frameMeant(body, place.x) } : null;
+  },
+  cursor: 'pointer',
+  grab: () => ({ move: () => null }),
+  click({ id, frame }) {
+    stopPlaying();
+    perform('poseBody', id);
+    if (frame !== null) goTo(frame);
+  },
+  menu: ({ id }, { page }) => openMenuAt('Body', bodyEntries(id), page),
+  tip({ id, frame }, rows) {
+    const body = bodyNamed(id);
+    if (!body) return nothing;
+    const where = frame === null ? '' : ` at ${frame}`;
+    return plate(`Pose ${body.name}${where}`, frame === null ? 0 : x(frame), below(rows), ` · ${wordsOf(body)}`);
+  },
+};
+
+/** "3 keyframes, 2 places to confirm". @param {BodyOfScene} body */
+function wordsOf(body) {
+  return [count(body.keys.length, 'keyframe'), leftToDo(body)].filter(Boolean).join(', ');
+}
+
+const below = ({ bodies: row }) => row.y + row.h + 10;
+const topOf = (row, at) => row.y + at * ROW;
+
+/** The body whose row is at a place, and how far below its top that is. */
+function rowAt(row, place) {
+  const at = Math.floor((place.y - row.y) / ROW);
+  return { body: bodiesBeside()[at], y: place.y - topOf(row, at) };
+}
+
+/** Its keyframe or place to confirm near a pixel, else the frame there; null beside the frames. */
+function frameMeant({ keys, places }, px) {
+  if (px < GUTTER) return null;
+  return nearest([...keys, ...places], px, REACH_PX) ?? clampFrame(frameAt(px));
+}
+
+const bondNumbered = (index) => (server.bonds ?? []).find((one) => one.index === index);
+
+/** @param {Bond} one @returns {'first' | 'last'} */
+const endAt = ({ first, last }, px) => (Math.abs(px - x(first)) < Math.abs(px - x(last)) ? 'first' : 'last');
+
+/** "Left hand, Racket · Grip 20–48" @param {Bond | undefined} one */
+function drawBondWords(one, rows) {
+  if (!one || !rows.bodies) return nothing;
+  const [own, other] = [ownEnd(one), otherEnd(one)];
+  const words = `${own.label} meets ${other.name} · ${other.label}`;
+  return plate(words, (x(one.first) + x(one.last)) / 2, below(rows), ` ${range(one.first, one.last)}`);
+}
+
+/** @param {BodyOfScene} body */
+function drawRow(body, top) {
+  const middle = top + 9;
+  return svg`<g class="bodyrow" style="--body:${body.colour}">
+    <path class="rule" d=${`M${GUTTER} ${top + ROW - 0.5}H100000`} />
+    ${seenOf(body.segments).map((one) => drawSegment(one, middle))}
+    ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${RING} />`)}
+    ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, KEY)} />`)}
+    ${seenOf(bondsWith(body.id)).map((one) => drawBond(one, top))}</g>`;
+}
+
+function drawSegment({ first, last, state }, middle) {
+  const kind = ['good', 'check', 'lost'].includes(state) ? `f-${state}` : 'open';
+  return svg`<rect class="bodybar ${kind}" x=${x(first)} y=${middle - BAR / 2} height=${BAR}
+    width=${Math.max(1, x(last) - x(first))} />`;
+}
+
+/** @param {Bond} one */
+const drawBond = ({ first, last }, top) => svg`<rect class="bond" x=${x(first - 0.3)} y=${top + BOND.y} rx="1.5"
+  width=${x(last + 0.3) - x(first - 0.3)} height=${BOND.h} />`;
+
+/** @param {BodyOfScene} body */
+function drawName({ name, colour }, top) {
+  const cut = name.length > NAME_LETTERS ? `${name.slice(0, NAME_LETTERS - 1)}…` : name;
+  return svg`<circle cx="15" cy=${top + 9} r="3.5" style="fill:${colour}" />
+    <text class="lbl" x="24" y=${top + 13}>${cut}</text>`;
+}
