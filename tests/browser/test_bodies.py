@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Locator
 
-from tests.browser.interaction import answered, screens, settled, until
+from tests.browser.interaction import answered, screen, screens, section, settled, until
 from tests.browser.shared import Desk, desk
 
 SHORT = {"do": "settings", "quality": "preview"}
@@ -73,6 +73,20 @@ def test_a_click_on_a_body_in_the_picture_or_tab_poses_it(at: Desk) -> None:
     at.page.keyboard.press("Tab")
     until(lambda: posed(at) == "adult_male", "the next body")
     assert at.agreed("keys")["frames"] == []
+
+
+def test_every_other_body_has_a_row_in_the_timeline_whose_keyframes_pose_it(at: Desk) -> None:
+    add(at)
+    row = at.page.locator("#tsvg .bodyrow")
+    until(lambda: row.locator(".bodykey").count() == 4, "the keyframes of the first")
+    screen(at.page, "bodies-3")
+    box = row.locator(".bodykey").nth(1).bounding_box()
+    assert box is not None
+    at.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    until(lambda: posed(at) == "body", "the body of that row")
+    frames = at.agreed("keys")["frames"]
+    until(lambda: section(at.page, "view.frame") == frames[1], "its keyframe")
+    until(lambda: row.locator(".bodykey").count() == 0, "the row of the other one")
 
 
 def test_all_bodies_are_tracked_at_once(at: Desk) -> None:

@@ -107,7 +107,7 @@ export const bodyRow = {
   menu: ({ id }, { page }) => openMenuAt('Body', bodyEntries(id), page),
   tip({ id, frame }, rows) {
     const body = bodyNamed(id);
-    if (!body) return nothing;
+    if (!body || !rows.bodies) return nothing;
     const where = frame === null ? '' : ` at ${frame}`;
     return plate(`Pose ${body.name}${where}`, frame === null ? 0 : x(frame), below(rows), ` · ${wordsOf(body)}`);
   },

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from keypose.app.editor.frames import BESIDE_M
 from keypose.app.editor.state import EditorState
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.session.schema import MOST_BODIES
@@ -26,6 +27,19 @@ def test_a_body_that_is_added_is_posed_next_and_has_no_keyframes_yet() -> None:
     assert (state.keys, state.skeleton.body.name) == ((), "box")
     assert state.selected is None
     assert after(state, {"do": "undo"}).doc == desk().doc
+
+
+@pytest.mark.parametrize("across", [0.4, -0.4])
+def test_it_first_stands_beside_one_that_is_posed_as_far_away(across: float) -> None:
+    state = desk()
+    moved = [
+        k.model_copy(update={"root_m": (across, 0.1, 4.0)}) for k in state.doc.subject.keyframes
+    ]
+    state = after(state.with_doc(state.doc.changed({"keyframes": tuple(moved)})), BOX)
+    x, y, z = state.opening.p_camera_root
+    assert (y, z) == (0.1, 4.0)
+    assert abs(x - across) == pytest.approx(BESIDE_M)
+    assert abs(x) < BESIDE_M
 
 
 def test_another_body_is_posed_without_a_step_and_nothing_is_lost() -> None:
