@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, FiniteFloat, ValidationError
 
+from keypose.app.editor.carrying import with_carried
 from keypose.app.editor.documents import ActionRefused, impossible, require_in_video, require_sound
 from keypose.app.editor.message import Edit, Editing, Look, Rewind, StrokeName
 from keypose.app.editor.posing import with_corners
@@ -236,6 +237,7 @@ def _edit(state: EditorState, action: Edit) -> EditorState:
         doc, readout = action.change(state, before)
     except ValidationError as error:
         raise impossible(label, one_sentence(error)) from None
+    doc = with_carried(before, doc)
     if action.stroke is not None:
         require_sound(before.doc, doc, label)
         stroke = Stroke(action.stroke, before.doc, label, state.frame, readout)

@@ -191,7 +191,7 @@ class _BroughtBack:
             )
         part, p_part = context.point(self.handle.anchor)
         tip = p_part if part == parts[-1] else before.skeleton.joints[part]
-        limb = _limb(context, parts, tip)
+        limb = limb_of(context, parts, tip)
         seen_limb = None
         if isinstance(limb, TwoBones):
             seen_limb = self.held.limb_in_picture(limb, self.handle.name, before)
@@ -221,7 +221,8 @@ def _is_same(
     return bool(max(float(turned), length(now - place)) < _SAME)
 
 
-def _limb(context: GestureContext, parts: tuple[int, ...], tip: Array) -> TwoBones | Chain:
+def limb_of(context: GestureContext, parts: tuple[int, ...], tip: Array) -> TwoBones | Chain:
+    """Parts that follow one another, to be bent; tip: their end, (3,) in the last one's frame."""
     if len(parts) == 2:
         return TwoBones.of(context, *parts, tip)
     return Chain(context, parts, tip)

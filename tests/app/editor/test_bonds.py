@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from keypose.app.editor.bonds import apart_m
@@ -61,6 +62,61 @@ def test_a_hold_is_longer_or_shorter_and_let_go() -> None:
     state = after(state, {"do": "change_bond", "index": 0, "moves": "both"})
     assert bond_of(state).moves == "both"
     assert after(state, {"do": "delete_bond", "index": 0}).doc.bonds == ()
+
+
+def hand_moved(state: EditorState, **about: Any) -> EditorState:
+    """The forearm turned at frame 0, where both are posed."""
+    bonded = after(state, HOLD, {"do": "change_bond", "index": 0, **about})
+    return after(bonded, {"do": "angles", "part": "right_forearm", "x": -40.0})
+
+
+def test_a_thing_goes_along_with_the_hand_that_holds_it_in_the_same_step() -> None:
+    before = after(with_box(), HOLD)
+    state = hand_moved(with_box())
+    assert apart_m(state, bond_of(state), 0) == pytest.approx(apart_m(before, bond_of(before), 0))
+    in_hand = [
+        np.linalg.inv(part_at(each, "right_hand", 0)) @ part_at(each.about("box"), "box", 0)
+        for each in (before, state)
+    ]
+    np.testing.assert_allclose(in_hand[1], in_hand[0], atol=1e-4)
+    assert state.doc.subject.id == "body"
+    undone = after(state, {"do": "undo"})
+    assert undone.doc.bodies == before.doc.bodies
+
+
+STAYS = {
+    "as it is not to move": {"moves": "holder"},
+    "before it is held": {"first": 3},
+}
+
+
+@pytest.mark.parametrize("why", STAYS)
+def test_a_thing_stays(why: str) -> None:
+    state = hand_moved(with_box(), **STAYS[why])
+    assert state.about("box").doc.subject == with_box().about("box").doc.subject
+
+
+def test_a_hand_reaches_after_the_thing_that_it_holds_where_it_is_to_move() -> None:
+    state = after(with_box(), HOLD, {"do": "change_bond", "index": 0, "moves": "holder"})
+    apart = apart_m(state, bond_of(state), 0)
+    y = float(part_at(state.about("box"), "box", 0)[1, 3])
+    moved = after(state, {"do": "pose_body", "body": "box"}, {"do": "root", "y": y - 0.04})
+    assert part_at(moved, "box", 0)[1, 3] == pytest.approx(y - 0.04, abs=1e-4)
+    assert apart_m(moved, bond_of(moved), 0) == pytest.approx(apart, abs=2e-3)
+    shoulder = [part_at(each.about("body"), "right_upper_arm", 0)[:3, 3] for each in (state, moved)]
+    np.testing.assert_allclose(*shoulder, atol=1e-9)
+
+
+def test_two_hands_stay_on_a_thing_that_one_of_them_carries_away() -> None:
+    state = with_box()
+    hands = [part_at(state, hand, 0)[:3, 3] for hand in ("left_hand", "right_hand")]
+    x, y, z = np.mean(hands, axis=0).tolist()
+    between = [{"do": "pose_body", "body": "box"}, {"do": "root", "x": x, "y": y, "z": z}]
+    state = after(state, *between, GO_BACK, HOLD, {**HOLD, "part": "left_hand", "body": "box"})
+    second = state.doc.bonds[1]
+    apart = apart_m(state, second, 0)
+    moved = after(state, {"do": "angles", "part": "right_forearm", "x": -30.0})
+    assert apart_m(moved, second, 0) == pytest.approx(apart, abs=1e-4)
 
 
 def test_a_body_that_is_removed_is_held_no_more() -> None:
