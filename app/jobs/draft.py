@@ -32,7 +32,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.detect import STRETCH, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_body import is_persons
-from keypose.tracker.keypoints.region import Box
+from keypose.tracker.keypoints.region import Box, require_apart
 from keypose.tracker.session import Session
 from keypose.tracker.session.annotations import DraftRest as DraftLeft
 from keypose.tracker.session.annotations import FrameRun
@@ -180,6 +180,7 @@ def drafted_people(
     from keypose.tracker.operations.lifting import lifter_for_drafts
     from keypose.tracker.storage.cache import Detections
 
+    require_apart(boxes, at)
     detected = _Detected.at_box(at)
 
     def picture(number: int) -> NDArray[np.uint8] | None:

@@ -18,7 +18,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.crossings import (
@@ -48,7 +47,7 @@ from keypose.tracker.keypoints.detect import (
 )
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.person_mask import PersonMask
-from keypose.tracker.keypoints.region import Region
+from keypose.tracker.keypoints.region import Region, around_the_same
 
 GREY: Final = 127
 """Level of red, green and blue with which people are painted out."""
@@ -379,10 +378,7 @@ class _PeopleRun:
             return None
         start = Start(seed.frame, stretch)
         if any(_shows_same(start, each) for each in others):
-            raise KeypointError(
-                f"Two boxes at frame {seed.frame} are around the same person: draw one box around "
-                "each, or choose a frame in which nobody is hidden."
-            )
+            raise around_the_same(seed.frame)
         return start
 
     def sweep(self, direction: int) -> _Sweep:

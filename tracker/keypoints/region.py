@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -24,8 +26,34 @@ LEAST_DEPTH_M: Final = 0.05
 _HIPS = ("left_thigh", "right_thigh")
 _SHOULDERS = ("left_upper_arm", "right_upper_arm")
 
+SAME_BOX_IOU: Final = 0.8
+"""Boxes that overlap by more, as the intersection over the union, are around one person."""
+
 Box = tuple[float, float, float, float]
 """Left, top, right and bottom in pixels."""
+
+
+def require_apart(boxes: Sequence[Box], frame: int) -> None:
+    """KeypointError when two of the boxes on a frame are around the same person."""
+    if any(_iou(*pair) > SAME_BOX_IOU for pair in combinations(boxes, 2)):
+        raise around_the_same(frame)
+
+
+def around_the_same(frame: int) -> KeypointError:
+    """What is said of two boxes that lead to one person."""
+    return KeypointError(
+        f"Two boxes at frame {frame} are around the same person: draw one box around each, or "
+        "choose a frame in which nobody is hidden."
+    )
+
+
+def _iou(box: Box, box_beside: Box) -> float:
+    """The intersection of two boxes over their union."""
+    ranges = [np.sort(np.reshape(each, (2, 2)), axis=0) for each in (box, box_beside)]
+    low, high = np.maximum(ranges[0][0], ranges[1][0]), np.minimum(ranges[0][1], ranges[1][1])
+    shared = float(np.prod(np.clip(high - low, 0.0, None)))
+    union = sum(float(np.prod(each[1] - each[0])) for each in ranges) - shared
+    return shared / union if union > 0 else 0.0
 
 
 @dataclass(frozen=True)

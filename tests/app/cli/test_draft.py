@@ -26,6 +26,7 @@ from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX, balance
 
 VIDEO = BALANCE / "balance.mp4"
 AROUND = ",".join(f"{value:g}" for value in BOX)
+NEARLY = ",".join(f"{edge:g}" for edge in np.add(BOX, (6, -6, 6, 6)))
 FILM_WIDTH = 544
 BESIDE = ",".join(f"{edge:g}" for edge in np.add(BOX, (FILM_WIDTH, 0, FILM_WIDTH, 0)))
 """Around the same man in the same picture on its right."""
@@ -86,6 +87,7 @@ WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
     "a second box with nobody in it": (("--box", "0,0,60,60"), AROUND, "No person was found"),
     "a second box outside": (("--box", "3000,10,3100,90"), AROUND, "outside the picture"),
     "two boxes around one": (("--box", AROUND), AROUND, "around the same person"),
+    "two that nearly are one": (("--box", NEARLY), AROUND, "around the same person"),
     "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
     "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
     "frames that fall": (("--frames", "5-2"), AROUND, "are no frames such as 10-60"),
