@@ -55,7 +55,18 @@ function onWholePixel(x) {
 const SCALES = [4, 20000];
 /** How far the body reaches beyond its joints. */
 const FLESH_M = 0.1;
+const NEAR_M = 1;
 const USUAL_BOX = [-1.2, -1.2, 1.2, 1.2];
+
+/** Of other bodies that are so near, where their parts begin: whom one touches is to be seen. */
+function nearbyPoints() {
+  const own = Object.values(server.pose?.points ?? {});
+  return Object.values(server.poses_beside ?? {}).flatMap((Ts) => {
+    const points = Object.values(Ts).map((T) => [T[3], T[7], T[11]]);
+    const isNear = points.some((p) => own.some((q) => Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) < NEAR_M));
+    return isNear ? points : [];
+  });
+}
 
 export class SideView extends View {
   constructor(el) {
@@ -81,13 +92,13 @@ export class SideView extends View {
 
   showAll(greatestScale = Infinity) {
     const room = this.isLarge ? { x: 72, top: 64, bottom: 64 } : { x: 8, top: 26, bottom: 20 };
-    this.window.showBox(this.bodyBox() ?? USUAL_BOX, room, greatestScale);
+    this.window.showBox(this.bodyBox(nearbyPoints()) ?? USUAL_BOX, room, greatestScale);
   }
 
-  /** The stretch [left, top, right, bottom] of the plane that the body takes. */
-  bodyBox() {
+  /** The stretch [left, top, right, bottom] of the plane that the body takes, and what is beside it. */
+  bodyBox(beside = []) {
     if (!server.pose || !this.eye) return null;
-    const points = Object.values(server.pose.points).map(this.eye.project);
+    const points = [...Object.values(server.pose.points), ...beside].map(this.eye.project);
     const across = points.map((p) => p[0]);
     const down = points.map((p) => p[1]);
     return [
