@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from bench.keeping import ROOT
 from bench.presets.animals import DOG, HORSE, make_animal
-from bench.presets.people import as_json, make_body, make_objects
+from bench.presets.people import as_json, make_body
+from bench.presets.things import make_objects
 from keypose.tracker.body.body import Body
 from keypose.tracker.body.preset_names import PEOPLE
 

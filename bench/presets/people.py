@@ -1,4 +1,4 @@
-"""The bodies of people, and of things, from measurements that were published.
+"""The bodies of people from measurements that were published.
 
 Everything measured stands in the tables at the top, with its source; everything estimated is a
 named constant or a method of `Person` that says so. Tables in millimetres or as ratios, the bodies
@@ -26,7 +26,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from keypose.tracker.body.body import ALL_DOFS, Body, Dof, Limits, Part, Point, Twist
+from keypose.tracker.body.body import Body, Dof, Limits, Part, Point, Twist
 from keypose.tracker.body.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
@@ -428,17 +428,4 @@ def _source(who: Person) -> str:
         "joints, all tapers. Joint limits: American Academy of Orthopaedic Surgeons, Joint Motion, "
         "1965; estimated where it tells none. Limbs are frusta, of which the cylinder is the "
         "untapered case, taken slightly thinner than measured."
-    )
-
-
-def make_objects() -> tuple[Body, ...]:
-    """Rigid things in sizes that hands hold; the joint of the first part is its middle."""
-    box = Box(low_m=(-0.1, -0.15, -0.1), high_m=(0.1, 0.15, 0.1))
-    cylinder = Cylinder(start_m=0.15, end_m=-0.15, radius_m=0.05)
-    shapes: dict[str, Shape] = {"box": box, "cylinder": cylinder}
-    return tuple(
-        Body(
-            name=name, parts=(Part(name=name, shape=shape, tracked=ALL_DOFS),), source="Estimated."
-        )
-        for name, shape in shapes.items()
     )

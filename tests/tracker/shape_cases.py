@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from keypose.tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
-from keypose.tracker.body.shapes import Box, Capsule, Cylinder, Frustum, Mesh, Solid
+from keypose.tracker.body.shapes import Box, Capsule, Cylinder, Disc, Frustum, Mesh, Solid
 
 SHAPES: dict[str, Solid] = {
     "box": Box(low_m=(-0.1, -0.05, -0.2), high_m=(0.1, 0.3, 0.1)),
@@ -14,7 +14,9 @@ SHAPES: dict[str, Solid] = {
     "hanging cylinder": Cylinder(end_m=-0.5, radius_m=0.1),
     "round frustum": Frustum(end_m=0.5, start_radii_m=(0.1, 0.1), end_radii_m=(0.06, 0.06)),
     "frustum": Frustum(start_m=0.1, end_m=-0.4, start_radii_m=(0.15, 0.1), end_radii_m=(0.2, 0.14)),
-    "disc": Cylinder(start_m=-0.02, end_m=0.03, radius_m=0.3),
+    "flat cylinder": Cylinder(start_m=-0.02, end_m=0.03, radius_m=0.3),
+    "disc": Disc(low_m=(-0.06, -0.2, -0.2), high_m=(0.06, 0.2, 0.2)),
+    "hanging disc": Disc(low_m=(-0.15, 0.1, -0.02), high_m=(0.15, 0.5, 0.03), axis="z"),
     "capsule": Capsule(start_m=-0.05, end_m=0.45, radius_m=0.07),
     "hanging capsule": Capsule(end_m=-0.4, radius_m=0.1),
     "ball": Capsule(start_m=-0.1, end_m=0.1, radius_m=0.1),

@@ -6,6 +6,7 @@ ADULTS = ("adult_male", "adult_female", "elderly_male", "elderly_female")
 CHILDREN = ("child",)
 PEOPLE = (*ADULTS, *CHILDREN)
 ANIMALS = ("dog", "horse")
-OBJECTS = ("box", "cylinder")
-"""Rigid things of one part, to which others can be added."""
+RIGID = ("box", "cylinder", "ball", "stick")
+"""Things of one part, to which others can be added."""
+OBJECTS = (*RIGID, "racket", "club", "bicycle")
 PRESETS = (*PEOPLE, *ANIMALS, *OBJECTS)

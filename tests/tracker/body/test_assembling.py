@@ -8,7 +8,7 @@ import pytest
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.modify import with_new_part, with_renamed_part, without_part
 from keypose.tracker.body.pose import Pose, pose_transforms
-from keypose.tracker.body.preset_names import OBJECTS, PRESETS
+from keypose.tracker.body.preset_names import PRESETS, RIGID
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import BodyError
 from keypose.tracker.geometry.rotations import apply_transform
@@ -58,6 +58,6 @@ def test_names_are_unique_and_known() -> None:
 
 
 def test_one_part_stays() -> None:
-    for name in OBJECTS:
+    for name in RIGID:
         with pytest.raises(BodyError, match="one part at least"):
             without_part(preset(name), name)

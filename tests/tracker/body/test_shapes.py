@@ -18,7 +18,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.modify import height, resized, scaled, with_height
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.raster import BodyMesh, raster
-from keypose.tracker.body.shapes import KINDS, Capsule, Frustum, Shape, Solid
+from keypose.tracker.body.shapes import KINDS, Capsule, Disc, Frustum, Shape, Solid
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.surface_points import sample_points
 from keypose.tracker.errors import BodyError
@@ -91,7 +91,7 @@ def test_the_distance_is_that_to_the_mesh_and_negative_inside(shape: Solid) -> N
 def first_order(shape: Solid) -> float:
     """The share by which a distance may be wrong: all of it for round and straight sides."""
     flat = isinstance(shape, Capsule) and 2 * shape.radius_m > shape.length_m
-    return 0.7 if isinstance(shape, Frustum) or flat else 0.02
+    return 0.7 if isinstance(shape, Frustum | Disc) or flat else 0.02
 
 
 @every_shape

@@ -14,12 +14,13 @@ from pydantic import Field
 
 from keypose.tracker.body.shapes.box import Box
 from keypose.tracker.body.shapes.capsule import Capsule
+from keypose.tracker.body.shapes.disc import Disc
 from keypose.tracker.body.shapes.frustum import Frustum
 from keypose.tracker.body.shapes.geometry import SIDES, Length, Mesh, Point, Size, Wireframe
 from keypose.tracker.body.shapes.round import Cylinder
 from keypose.tracker.body.shapes.solid import ShapeSize, Solid
 
-Shape: TypeAlias = Annotated[Cylinder | Capsule | Frustum | Box, Field(discriminator="kind")]
+Shape: TypeAlias = Annotated[Cylinder | Capsule | Frustum | Box | Disc, Field(discriminator="kind")]
 
 KINDS: dict[str, type[Shape]] = {
     solid.model_fields["kind"].default: solid for solid in get_args(get_args(Shape)[0])
@@ -32,6 +33,7 @@ __all__ = [
     "Box",
     "Capsule",
     "Cylinder",
+    "Disc",
     "Frustum",
     "Length",
     "Mesh",

@@ -21,10 +21,10 @@ _FACES = np.array([
 ])  # fmt: skip
 
 
-class Box(Solid):
-    """A box between two opposite corners, its edges along the part's axes."""
+class CorneredSolid(Solid):
+    """A solid that fills the space between two opposite corners, from side to side along the
+    part's axes."""
 
-    kind: Literal["box"] = "box"
     low_m: tuple[Length, Length, Length]
     high_m: tuple[Length, Length, Length]
 
@@ -41,24 +41,6 @@ class Box(Solid):
         half = np.array([ends[:, 0].mean(), solid.length_m / 2, ends[:, 1].mean()])
         low, high = solid.centre - half, solid.centre + half
         return cls.model_validate({"low_m": low.tolist(), "high_m": high.tolist()})
-
-    def mesh(self) -> Mesh:
-        return Mesh.convex(self._corners(0.0), _FACES, np.arange(len(_FACES)) // 2)
-
-    def wireframe(self, lift_m: float = 0.0) -> Wireframe:
-        return Wireframe.straight(self._corners(lift_m)[_EDGES])
-
-    def distance(self, p_part: Array) -> Array:
-        low, high = np.array(self.low_m), np.array(self.high_m)
-        return distance_from_excess(np.maximum(low - p_part, p_part - high))
-
-    def corners(self) -> Array:
-        """All eight, x slowest and z fastest."""
-        return self.mesh().vertices
-
-    def marks(self) -> Array:
-        """Its corners."""
-        return self.corners()
 
     @property
     def centre(self) -> Point:
@@ -104,10 +86,6 @@ class Box(Solid):
         low, high = ((x * across, y * along, z * across) for x, y, z in (self.low_m, self.high_m))
         return self.model_copy(update={"low_m": low, "high_m": high})
 
-    def _corners(self, lift_m: float) -> Array:
-        low, high = np.array(self.low_m) - lift_m, np.array(self.high_m) + lift_m
-        return np.asarray(low + _CORNERS * (high - low))
-
     def _handle(self, k: int) -> Point:
         """The middle of a side; of depth, of the one that reaches farther from the joint."""
         x, y, z = self.centre
@@ -116,3 +94,31 @@ class Box(Solid):
         if k == 1:
             return (x, self.high_m[1], z)
         return (x, y, self.low_m[2] if -self.low_m[2] > self.high_m[2] else self.high_m[2])
+
+
+class Box(CorneredSolid):
+    """A box between two opposite corners, its edges along the part's axes."""
+
+    kind: Literal["box"] = "box"
+
+    def mesh(self) -> Mesh:
+        return Mesh.convex(self._corners(0.0), _FACES, np.arange(len(_FACES)) // 2)
+
+    def wireframe(self, lift_m: float = 0.0) -> Wireframe:
+        return Wireframe.straight(self._corners(lift_m)[_EDGES])
+
+    def distance(self, p_part: Array) -> Array:
+        low, high = np.array(self.low_m), np.array(self.high_m)
+        return distance_from_excess(np.maximum(low - p_part, p_part - high))
+
+    def corners(self) -> Array:
+        """All eight, x slowest and z fastest."""
+        return self.mesh().vertices
+
+    def marks(self) -> Array:
+        """Its corners."""
+        return self.corners()
+
+    def _corners(self, lift_m: float) -> Array:
+        low, high = np.array(self.low_m) - lift_m, np.array(self.high_m) + lift_m
+        return np.asarray(low + _CORNERS * (high - low))
