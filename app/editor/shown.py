@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -125,7 +125,10 @@ def ghost_transforms(state: EditorState, frame: int, pose: Pose) -> Array:
 
 
 def transforms_beside(state: EditorState) -> dict[str, Array]:
-    """Ts_camera_part (P, 4, 4) at the present frame of each body that is not posed, by its id."""
+    """Ts_camera_part (P, 4, 4) at the present frame of each body that is not posed, by its id; what
+    is held goes along while a gesture is under way."""
+    if state.doc.bonds:
+        state = replace(state, stroke=None)
     beside = [body.id for body in state.doc.bodies if body.id != state.doc.subject.id]
     alone = {body_id: state.about(body_id) for body_id in beside}
     return {

@@ -44,7 +44,7 @@ class SceneryMaker:
             Rs_view_camera=self._once("views", _where(edit), lambda: _views(edit)),
             beside=self._once(
                 "beside",
-                (edit.settled, edit.frame, edit.results),
+                (edit.doc if edit.doc.bonds else edit.settled, edit.frame, edit.results),
                 lambda: _beside(edit),
             ),
             before=self._once(

@@ -73,6 +73,14 @@ def _bodies(app_state: AppState) -> tuple[Any, ...]:
     return (posed.id, posed.called, *(body for body in doc.bodies if body is not posed))
 
 
+def _held(app_state: AppState) -> tuple[Any, ...]:
+    """The bodies that are not posed, which bonds move during a gesture."""
+    doc = app_state.edit.doc if app_state.edit else None
+    if doc is None or not doc.bonds:
+        return ()
+    return tuple(body for body in doc.bodies if body.id != doc.subject.id)
+
+
 def _settled(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
     """Depend on the document as _doc, but not on a gesture under way: remade when it ends."""
 
@@ -248,7 +256,7 @@ SECTIONS: dict[str, _Section] = {
     ),
     "bonds": _Section(_both(_TRACKED, _bodies, _bonds), bond_values.bonds),
     "solids_beside": _Section(_bodies, scene_bodies.solids_beside),
-    "poses_beside": _Section(_both(_bodies, _TRACKED, _edit("frame")), scene_bodies.poses_beside),
+    "poses_beside": _Section(_both(_bodies, _held, _TRACKED, _edit("frame")), scene_bodies.poses_beside),
     "before": _Section(_edit("compared", "frame", "results"), space_values.before),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
