@@ -256,7 +256,9 @@ SECTIONS: dict[str, _Section] = {
     ),
     "bonds": _Section(_both(_TRACKED, _bodies, _bonds), bond_values.bonds),
     "solids_beside": _Section(_bodies, scene_bodies.solids_beside),
-    "poses_beside": _Section(_both(_bodies, _held, _TRACKED, _edit("frame")), scene_bodies.poses_beside),
+    "poses_beside": _Section(
+        _both(_bodies, _held, _TRACKED, _edit("frame")), scene_bodies.poses_beside
+    ),
     "before": _Section(_edit("compared", "frame", "results"), space_values.before),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
