@@ -26,6 +26,14 @@ def about_one(session: Session, arguments: argparse.Namespace) -> Session:
     return session.about(session.subject.id)
 
 
+def about_drawn(session: Session, arguments: argparse.Namespace) -> tuple[Session, bool]:
+    """The session about the body that is drawn in full, the first where none is asked for; and
+    whether it is drawn alone. SessionError where it is not there."""
+    name = order_of(OneBody, arguments).body
+    about = session.about(session.subject.id) if name is None else session.about_called(name)
+    return about, name is not None
+
+
 def about_each(session: Session, arguments: argparse.Namespace) -> list[Session]:
     """The session about each of its bodies alone, or about the one that is asked for; SessionError
     where it is not there."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from keypose.app.cli.arguments import note, order_of
-from keypose.app.cli.bodies import about_one
+from keypose.app.cli.bodies import about_drawn
 from keypose.app.cli.json_output import print_json, print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
@@ -25,10 +25,10 @@ from keypose.tracker.storage.files import open_video_of
 
 def run(arguments: argparse.Namespace) -> int:
     whole, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
-    session = about_one(whole, arguments)
+    session, alone = about_drawn(whole, arguments)
     order = order_of(FilmOrder, arguments)
     require_tint(session, order.tint)
-    poses = KnownPoses.of(session, arguments.session)
+    poses = KnownPoses.of(session, arguments.session, alone=alone)
     film = film_of(arguments.session.name, poses, order)
     require_frame(session, film.last)
     with _video(session, arguments.session, film) as video:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from keypose.app.cli.arguments import note, order_of
-from keypose.app.cli.bodies import about_one
+from keypose.app.cli.bodies import about_drawn
 from keypose.app.cli.json_output import print_written
 from keypose.app.cli.views import session_to_draw, video_if_there
 from keypose.app.export.drawable import require_frame, require_tint
@@ -28,11 +29,14 @@ from keypose.tracker.storage.tracks import load_tracks
 
 def run(arguments: argparse.Namespace) -> int:
     whole, out = session_to_draw(arguments, "picture", ".png"), arguments.out
-    session = about_one(whole, arguments)
+    session, alone = about_drawn(whole, arguments)
     order = order_of(PictureOrder, arguments)
     require_tint(session, order.tint)
     _require_size(session, order)
     poses = _poses(session, arguments.session, arguments.frame, order)
+    if not alone:
+        beside = KnownPoses.of(session, arguments.session, alone=False).beside
+        poses = replace(poses, beside=beside)
     content = _content(session, poses, order, arguments)
     write_file(out, content, overwrite=arguments.overwrite)
     print_written([out], arguments.json)

@@ -36,7 +36,7 @@ def write_drawn(
             content, problem = sheet_png(session, path, video, order, progress)
             out.write_bytes(content)
             return problem or ""
-        poses = KnownPoses.of(session, path)
+        poses = KnownPoses.of(session, path, alone=False)
         if isinstance(order, FilmOrder):
             film = film_of(path.name, poses, order)
 

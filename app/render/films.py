@@ -18,7 +18,7 @@ import numpy as np
 
 from keypose.app.orders.drawing import FilmView, Paint, Size, Tint, View, Viewpoint
 from keypose.app.render.palette import Picture
-from keypose.app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
+from keypose.app.render.pictures import FourViewLayout, Framing, framing_of, middle
 from keypose.app.render.poses import KnownPoses
 from keypose.app.render.stills import ground_below, natural_size
 from keypose.app.render.studio import Studio
@@ -70,7 +70,8 @@ def film_pictures(
 
     SessionError when no frame of the film has one.
     """
-    studio, size = Studio.of(session, poses.skeleton), film_size(session, poses, film)
+    studio = Studio.of(session, poses.skeleton, poses.figures_beside)
+    size = film_size(session, poses, film)
     layers = SurfaceLayers.of(session, video, film.tint)
     draw = _artist(studio, poses, film, size, fps, layers)
     numbers = range(film.first, film.last + 1)
@@ -207,8 +208,8 @@ def _carried(studio: Studio, ground: Ground, first: int, frame: int) -> Ground:
 
 
 def _points(studio: Studio, poses: KnownPoses, frame: int) -> Array:
-    """(K, 3) of the body at a frame, in the world."""
-    p_camera = posed_points(studio.skeleton, _posed(poses, frame))
+    """(K, 3) of all bodies at a frame, in the world."""
+    p_camera = studio.at(frame).points(_posed(poses, frame))
     return studio.session.film_camera.points_to_world(frame, p_camera)
 
 

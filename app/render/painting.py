@@ -6,14 +6,24 @@ body is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, reduce
 
 import cv2
 import numpy as np
 
 from keypose.app.orders.drawing import Style
-from keypose.app.render.palette import Canvas, CutOut, Picture, Side, part_colours, part_sides
+from keypose.app.render.palette import (
+    SIDE_COLOURS,
+    Canvas,
+    Colour,
+    CutOut,
+    Picture,
+    Side,
+    part_colours,
+    part_sides,
+)
 from keypose.app.render.shading import paint_solid, part_borders, shade, smooth_normal_maps
 from keypose.app.render.strokes import BodyEdges, body_lines, paint_dots, paint_lines
 from keypose.tracker.body.raster import BodyMesh, raster
@@ -24,13 +34,36 @@ from keypose.tracker.geometry.view import ViewCamera
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """A body's triangles, their smooth normals, their edges, and the colours of the parts."""
+    """A body's triangles, their smooth normals, their edges, and the colours of the parts.
+
+    side_colours: of the edges.
+    """
 
     mesh: BodyMesh
     normal_maps: Array
     edges: BodyEdges
     colours: Array
     sides: tuple[Side, ...]
+    side_colours: Mapping[Side, Colour] = field(default_factory=lambda: SIDE_COLOURS)
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """A body to be painted, and where its parts are: Ts_camera_part (P, 4, 4)."""
+
+    form: Form
+    Ts_camera_part: Array
+
+    @property
+    def points(self) -> Array:
+        """(V, 3) the corners of its triangles in the camera frame."""
+        return self.form.mesh.posed(self.Ts_camera_part)
+
+    def depth(self, view: ViewCamera) -> float:
+        """How far away it is as seen in a view, metres."""
+        return float(
+            apply_transform(view.T_view_camera, self.Ts_camera_part[:, :3, 3])[:, 2].mean()
+        )
 
 
 @lru_cache(maxsize=4)
@@ -46,8 +79,53 @@ def form_of(skeleton: Skeleton) -> Form:
     )
 
 
+@lru_cache(maxsize=32)
+def form_in(skeleton: Skeleton, colour: Colour) -> Form:
+    """The form of a skeleton in one colour."""
+    count = len(skeleton.body.parts)
+    return replace(
+        form_of(skeleton),
+        colours=frozen(np.tile(np.array(colour, dtype=np.float64), (count, 1))),
+        sides=tuple[Side, ...](["middle"] * count),
+        side_colours={"middle": colour},
+    )
+
+
 FINE = 2
 """Painted this many times as large as wanted."""
+
+
+def paint_figures(
+    image: Picture, view: ViewCamera, figures: Sequence[Figure], style: Style, opacity: float
+) -> Picture:
+    """Bodies over an image of the view's size, the nearest one last."""
+    picture = image if figures else image.copy()
+    for figure in _farthest_first(figures, view):
+        picture = paint_over(picture, view, figure.form, figure.Ts_camera_part, style, opacity)
+    return picture
+
+
+def cut_out_figures(
+    view: ViewCamera, figures: Sequence[Figure], style: Style, opacity: float
+) -> CutOut:
+    """Bodies on nothing, the nearest one over the others."""
+    layers = [
+        cut_out(view, figure.form, figure.Ts_camera_part, style, opacity)
+        for figure in _farthest_first(figures, view)
+    ]
+    return reduce(_composited, layers)
+
+
+def _farthest_first(figures: Sequence[Figure], view: ViewCamera) -> list[Figure]:
+    return sorted(figures, key=lambda figure: -figure.depth(view))
+
+
+def _composited(below: CutOut, above: CutOut) -> CutOut:
+    """One picture on nothing over another one, each colour as much as it covers."""
+    a, b = (each[..., 3:].astype(np.float64) / 255.0 for each in (above, below))
+    alpha = a + b * (1 - a)
+    rgb = (above[..., :3] * a + below[..., :3] * b * (1 - a)) / np.maximum(alpha, 1e-3)
+    return np.asarray(np.clip(np.rint(np.dstack([rgb, 255.0 * alpha])), 0, 255), np.uint8)
 
 
 def paint_over(
@@ -109,7 +187,7 @@ def _paint_body(
         paint_solid(canvas, rgb, mask, opacity, part_borders(body_raster))
     if style != "solid":
         lines = body_lines(form.mesh, form.edges, Ts_camera_part, fine, body_raster)
-        paint_lines(canvas, lines, form.sides, stroke)
+        paint_lines(canvas, lines, form.sides, stroke, form.side_colours)
         p_eye = apply_transform(fine.T_view_camera, Ts_camera_part[:, :3, 3])
         paint_dots(canvas, fine.project(p_eye), 1.1 * stroke)
 

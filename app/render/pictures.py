@@ -11,7 +11,7 @@ import numpy as np
 
 from keypose.app.orders.drawing import Style
 from keypose.app.render.lettering import axes, plate, round_length, scale_bar, write_name
-from keypose.app.render.painting import form_of, paint_over
+from keypose.app.render.painting import Figure, form_of, paint_figures
 from keypose.app.render.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
 from keypose.app.render.surfaces import SurfaceLayer, draw_surface
 from keypose.tracker.body.pose import Pose, pose_transforms
@@ -87,8 +87,10 @@ def overlay(
     pose: Pose,
     style: Style = "both",
     opacity: float = OPACITY,
+    beside: Sequence[Figure] = (),
 ) -> Picture:
-    """The body over the rectified video frame (H, W, 3), which must have the camera's size.
+    """The body, and others beside it, over the rectified video frame (H, W, 3), which must have the
+    camera's size.
 
     "solid" shows shaded parts, "wire" their outlines and rings, hidden ones fainter; opacity, 0 to
     1, is that of the solid parts. Pixels away from the body stay as they are.
@@ -98,7 +100,9 @@ def overlay(
             f"the picture is {image_rgb.shape[1]}×{image_rgb.shape[0]} but the camera takes "
             f"{camera.width}×{camera.height}"
         )
-    return _body_over_image(image_rgb, ViewCamera.of(camera), skeleton, pose, style, opacity)
+    return _body_over_image(
+        image_rgb, ViewCamera.of(camera), skeleton, pose, style, opacity, beside
+    )
 
 
 def orthographic(
@@ -110,9 +114,10 @@ def orthographic(
     metres_across: float | None = None,
     Rs_view_camera: Rotations | None = None,
     surface: SurfaceLayer | None = None,
+    beside: Sequence[Figure] = (),
 ) -> Picture:
-    """A true orthographic view of the solid body, `size` = (width, height), on a grid; `surface`,
-    the surface observed at that moment, lies over it as a sheet.
+    """A true orthographic view of the solid body and those beside it, `size` = (width, height), on
+    a grid; `surface`, the surface observed at that moment, lies over it as a sheet.
 
     "front" looks along the camera's +z (x right, y down), "top" looks down along +y (x right, z,
     away from the camera, up), "side" looks along −x (z right, y down). centre_m (3,) is the point
@@ -121,10 +126,10 @@ def orthographic(
     suits the picture's width, 0.5 m for a person. What finds no room is not lettered.
     """
     frame = Framing(centre_m, metres_across, Rs_view_camera)
-    view_camera = parallel_view(skeleton, pose, view, size, frame)
+    view_camera = parallel_view(_points(skeleton, pose, beside), view, size, frame)
     step_m = round_length(size[0] / view_camera.focal[0])
     picture = _body_over_image(
-        _grid(view_camera, step_m), view_camera, skeleton, pose, "solid", 1.0
+        _grid(view_camera, step_m), view_camera, skeleton, pose, "solid", 1.0, beside
     )
     if surface is not None:
         picture = draw_surface(
@@ -149,6 +154,7 @@ def four_views(
     Rs_view_camera: Rotations | None = None,
     framing: Framing | None = None,
     surface: SurfaceLayer | None = None,
+    beside: Sequence[Figure] = (),
 ) -> Picture:
     """The overlay, large, and the three orthographic views, all at one scale, stacked beside it.
 
@@ -160,17 +166,17 @@ def four_views(
     enlarged = cv2.INTER_CUBIC if height > camera.height else cv2.INTER_AREA
     frame = np.asarray(cv2.resize(image_rgb, (width, height), interpolation=enlarged), np.uint8)
     main = _body_over_image(
-        frame, ViewCamera.of(camera).resized(width, height), skeleton, pose, style, opacity
+        frame, ViewCamera.of(camera).resized(width, height), skeleton, pose, style, opacity, beside
     )
     letter_px = _letter_px(height // 3)
     plate(main, label, *(round(0.8 * letter_px),) * 2, letter_px)
     if not layout.small:
         return main
     if framing is None:
-        framing = framing_of(_points(skeleton, pose), layout.views, Rs_view_camera)
+        framing = framing_of(_points(skeleton, pose, beside), layout.views, Rs_view_camera)
     centre, across = framing.centre_m, framing.metres_across
     small = [
-        orthographic(skeleton, pose, view, size, centre, across, framing.Rs, surface)
+        orthographic(skeleton, pose, view, size, centre, across, framing.Rs, surface, beside)
         for view, size in layout.views.items()
     ]
     column = _stacked(small, layout.gap, axis=0)
@@ -178,10 +184,10 @@ def four_views(
 
 
 def parallel_view(
-    skeleton: Skeleton, pose: Pose | None, view: ViewName, size: tuple[int, int], framing: Framing
+    p_camera: Array, view: ViewName, size: tuple[int, int], framing: Framing
 ) -> ViewCamera:
-    """The camera of one of the three views; without a pose, the framing must be given."""
-    p_camera = _points(skeleton, pose)
+    """The camera of one of the three views, of points (N, 3) as far as the framing leaves open what
+    is shown."""
     centre = middle(p_camera) if framing.centre_m is None else np.asarray(framing.centre_m, float)
     R = framing.Rs[view] if framing.Rs else None
     across = framing.metres_across
@@ -210,12 +216,20 @@ def _body_over_image(
     pose: Pose | None,
     style: Style,
     opacity: float,
+    beside: Sequence[Figure],
 ) -> Picture:
-    """The body over an image of the view's size; the image itself without a pose."""
+    """The body and those beside it over an image of the view's size; the image itself without."""
+    figures = with_posed(skeleton, pose, beside)
+    return paint_figures(image, view, figures, style, opacity)
+
+
+def with_posed(
+    skeleton: Skeleton, pose: Pose | None, beside: Sequence[Figure]
+) -> tuple[Figure, ...]:
+    """The bodies to paint: those beside, and the one that is posed where it has a pose."""
     if pose is None:
-        return image.copy()
-    Ts_camera_part = pose_transforms(skeleton, pose)
-    return paint_over(image, view, form_of(skeleton), Ts_camera_part, style, opacity)
+        return tuple(beside)
+    return *beside, Figure(form_of(skeleton), pose_transforms(skeleton, pose))
 
 
 def _posed(skeleton: Skeleton, pose: Pose | None) -> Array | None:
@@ -227,8 +241,9 @@ def posed_points(skeleton: Skeleton, pose: Pose) -> Array:
     return form_of(skeleton).mesh.posed(pose_transforms(skeleton, pose))
 
 
-def _points(skeleton: Skeleton, pose: Pose | None) -> Array:
-    return np.zeros((1, 3)) if pose is None else posed_points(skeleton, pose)
+def _points(skeleton: Skeleton, pose: Pose | None, beside: Sequence[Figure]) -> Array:
+    points = [figure.points for figure in with_posed(skeleton, pose, beside)]
+    return np.concatenate(points) if points else np.zeros((1, 3))
 
 
 def middle(points: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from keypose.app.orders.drawing import PictureOrder, Size, Viewpoint
+from keypose.app.render.painting import Figure
 from keypose.app.render.palette import CutOut, Picture
 from keypose.app.render.pictures import FourViewLayout, middle, posed_points
 from keypose.app.render.poses import KnownPoses
@@ -32,8 +33,8 @@ def still(
         raise SessionError(f"Frame {frame} has no pose.")
     if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
         look = ViewStyle(wanted.view, wanted.style, wanted.opacity, wanted.tint)
-        return snapshot(session, video, frame, pose, look)
-    studio = Studio.of(session, poses.skeleton).at(frame)
+        return snapshot(session, video, frame, pose, look, poses.figures_beside(frame))
+    studio = Studio.of(session, poses.skeleton, poses.figures_beside).at(frame)
     size = _size(studio, wanted)
     if wanted.on_nothing:
         return _on_nothing(studio, pose, wanted, size)
@@ -82,10 +83,12 @@ def from_viewpoint(
     viewpoint: Viewpoint,
     floor_height_m: float,
     size: Size,
+    beside: tuple[Figure, ...] = (),
 ) -> Picture:
-    """The body alone in the middle of a picture, on a floor of this height along up in the
-    world."""
-    studio = Studio.of(session, Skeleton.of(session.subject.body)).at(frame)
+    """The body, and those beside it, in the middle of a picture, on a floor of this height along up
+    in the world."""
+    skeleton = Skeleton.of(session.subject.body)
+    studio = Studio.of(session, skeleton, lambda _: beside).at(frame)
     view, centre = _view(studio, pose, viewpoint, size)
     down = studio.Rs["front"][1]
     origin = studio.session.film_camera.points_to_camera(frame, np.zeros(3))
@@ -124,7 +127,7 @@ def ground_below(studio: Studio, poses: KnownPoses, frame: int) -> Ground:
 def _view(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[ViewCamera, Array]:
     """What looks at the body's middle (3,), which comes with it."""
     level = studio.Rs["front"]
-    points = posed_points(studio.skeleton, pose)
+    points = studio.points(pose)
     centre = middle(points @ level.T) @ level
     distance = viewpoint.distance_m or least_distance(viewpoint, level, centre, points, size)
     return view_from(viewpoint, distance, level, centre, size), centre

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -136,11 +137,17 @@ def _is_behind(p_eye: Array, view: ViewCamera, raster: Raster) -> Mask:
     return behind
 
 
-def paint_lines(canvas: Canvas, lines: Lines, sides: tuple[Side, ...], thickness: int) -> None:
+def paint_lines(
+    canvas: Canvas,
+    lines: Lines,
+    sides: tuple[Side, ...],
+    thickness: int,
+    colours: Mapping[Side, Colour] = SIDE_COLOURS,
+) -> None:
     """Draw lines over a canvas in place, seen ones with a dark halo under them."""
     side = np.array(sides)[lines.part]
     _blend(canvas, INK, 0.35, _coverage(canvas, lines.uv[~lines.hidden], thickness + 2))
-    for name, colour in SIDE_COLOURS.items():
+    for name, colour in colours.items():
         for hidden, opacity in ((True, OCCLUDED_OPACITY), (False, 1.0)):
             chosen = (side == name) & (lines.hidden == hidden)
             _blend(canvas, colour, opacity, _coverage(canvas, lines.uv[chosen], thickness))

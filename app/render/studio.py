@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import cv2
 import numpy as np
@@ -10,7 +12,13 @@ import numpy as np
 from keypose.app.orders.drawing import Paint, Size, Style, Tint, View
 from keypose.app.posing import view_rotations
 from keypose.app.render.lettering import plate, written_width
-from keypose.app.render.painting import Form, cut_out, form_of, paint_over
+from keypose.app.render.painting import (
+    Figure,
+    Form,
+    cut_out_figures,
+    form_of,
+    paint_figures,
+)
 from keypose.app.render.palette import GAP, CutOut, Picture
 from keypose.app.render.pictures import (
     OPACITY,
@@ -22,7 +30,7 @@ from keypose.app.render.pictures import (
     orthographic,
     overlay,
     parallel_view,
-    posed_points,
+    with_posed,
 )
 from keypose.app.render.surfaces import SurfaceLayer, SurfaceLayers, draw_surface
 from keypose.app.render.viewpoints import Ground, floor_picture
@@ -47,9 +55,15 @@ class ViewStyle:
 
 
 def snapshot(
-    session: Session, video: Video | None, frame: int, pose: Pose, look: ViewStyle
+    session: Session,
+    video: Video | None,
+    frame: int,
+    pose: Pose,
+    look: ViewStyle,
+    beside: Sequence[Figure] = (),
 ) -> Picture:
-    """The picture (H, W, 3) RGB of a pose at a frame; its height is the video's.
+    """The picture (H, W, 3) RGB of a pose at a frame, and of bodies beside it; its height is the
+    video's.
 
     Where the video has lost the frame, its place is grey and a plate says so. The views from the
     top, the side and the front need no video; with observed surfaces at hand they show them.
@@ -61,12 +75,14 @@ def snapshot(
     layers = SurfaceLayers.of(session, video, look.tint)
     surface = None if layers is None or look.view == "main" else layers.at(frame, pose)
     if look.view != "main" and look.view != "all":
-        return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs, surface=surface)
+        return orthographic(
+            skeleton, pose, look.view, size, Rs_view_camera=Rs, surface=surface, beside=beside
+        )
     image = background(session, video, layers, frame, pose)
     label = f"Frame {frame}" + (" is missing" if image is None else "")
     ground = ground_of(camera, image)
     if look.view == "main":
-        picture = overlay(ground, camera, skeleton, pose, look.style, look.opacity)
+        picture = overlay(ground, camera, skeleton, pose, look.style, look.opacity, beside)
         return picture if image is not None else labelled(picture, frame)
     return four_views(
         ground,
@@ -79,6 +95,7 @@ def snapshot(
         label,
         Rs,
         surface=surface,
+        beside=beside,
     )
 
 
@@ -140,12 +157,19 @@ def _with_plate(picture: Picture, words: str) -> Picture:
 
 
 SOLID = Paint("solid", 1.0)
+Others: TypeAlias = Callable[[int], tuple[Figure, ...]]
+"""The bodies beside the posed one at a frame."""
+
+
+def _nobody(_frame: int) -> tuple[Figure, ...]:
+    return ()
 
 
 @dataclass(frozen=True, eq=False)
 class Studio:
     """Where a session's pictures are made. camera: with an ideal lens. Rs: the level views, in the
     camera frame; before a camera that moves they are those of the film's first frame, the world.
+    others: bodies beside the posed one at a frame.  beside: those of the frame it is made for.
     """
 
     session: Session
@@ -153,15 +177,20 @@ class Studio:
     skeleton: Skeleton
     form: Form
     Rs: Rotations
+    others: Others = _nobody
+    beside: tuple[Figure, ...] = ()
 
     @classmethod
-    def of(cls, session: Session, skeleton: Skeleton) -> Studio:
-        camera = session.view.camera.without_distortion()
-        return cls(session, camera, skeleton, form_of(skeleton), view_rotations(session.world.up))
+    def of(cls, session: Session, skeleton: Skeleton, others: Others = _nobody) -> Studio:
+        camera, Rs = session.view.camera.without_distortion(), view_rotations(session.world.up)
+        return cls(session, camera, skeleton, form_of(skeleton), Rs, others)
 
     def at(self, frame: int) -> Studio:
-        """The same as the camera sees it at a frame; itself where that stands still."""
-        path = self.session.camera_path
+        """The same as the camera sees it at a frame; itself where that stands still and nobody is
+        beside the body."""
+        beside, path = self.others(frame), self.session.camera_path
+        if beside or self.beside:
+            self = replace(self, beside=beside)
         if path is None:
             return self
         R = path.Ts_camera_world[frame, :3, :3]
@@ -178,9 +207,8 @@ class Studio:
         inner = _fitting((self.camera.width, self.camera.height), size)
         view = ViewCamera.of(self.camera).resized(*inner)
         picture = _resized(ground_of(self.camera, image), inner)
-        if pose is not None:
-            Ts = pose_transforms(self.skeleton, pose)
-            picture = paint_over(picture, view, self.form, Ts, paint.style, paint.opacity)
+        figures = self._figures(pose)
+        picture = paint_figures(picture, view, figures, paint.style, paint.opacity)
         return _on_sheet(labelled(picture, frame) if image is None else picture, size)
 
     def four(
@@ -208,6 +236,7 @@ class Studio:
             self.Rs,
             framing,
             surface,
+            self.beside,
         )
         return _on_sheet(picture, size)
 
@@ -222,7 +251,9 @@ class Studio:
         """Draw from the top, the side or the front."""
         framing = framing or Framing()
         centre, across = framing.centre_m, framing.metres_across
-        return orthographic(self.skeleton, pose, view, size, centre, across, self.Rs, surface)
+        return orthographic(
+            self.skeleton, pose, view, size, centre, across, self.Rs, surface, self.beside
+        )
 
     def perspective(
         self,
@@ -235,14 +266,20 @@ class Studio:
         """Draw from a new viewpoint, on a floor."""
         Ts = None if pose is None else pose_transforms(self.skeleton, pose)
         picture = floor_picture(view, ground, p_camera_centre, self.form, Ts)
-        if Ts is not None:
-            picture = paint_over(picture, view, self.form, Ts, SOLID.style, SOLID.opacity)
+        figures = self._figures(pose)
+        picture = paint_figures(picture, view, figures, SOLID.style, SOLID.opacity)
         return picture if surface is None else draw_surface(picture, view, surface, self.form, Ts)
 
     def cut_out_by(self, view: ViewCamera, pose: Pose, paint: Paint = SOLID) -> CutOut:
-        """The body on nothing."""
-        Ts = pose_transforms(self.skeleton, pose)
-        return cut_out(view, self.form, Ts, paint.style, paint.opacity)
+        """The body, and those beside it, on nothing."""
+        return cut_out_figures(view, self._figures(pose), paint.style, paint.opacity)
+
+    def _figures(self, pose: Pose | None) -> tuple[Figure, ...]:
+        return with_posed(self.skeleton, pose, self.beside)
+
+    def points(self, pose: Pose | None) -> Array:
+        """(N, 3) the corners of all bodies in the camera frame."""
+        return np.concatenate([figure.points for figure in self._figures(pose)])
 
     def main_cut_out(self, pose: Pose, size: Size, paint: Paint) -> CutOut:
         """The body of `main` on nothing."""
@@ -252,7 +289,7 @@ class Studio:
 
     def parallel_cut_out(self, view: ViewName, pose: Pose, size: Size) -> CutOut:
         """The body of `parallel` on nothing."""
-        view_camera = parallel_view(self.skeleton, pose, view, size, Framing(Rs=self.Rs))
+        view_camera = parallel_view(self.points(pose), view, size, Framing(Rs=self.Rs))
         return self.cut_out_by(view_camera, pose)
 
     def four_cut_out(self, pose: Pose, size: Size, paint: Paint) -> CutOut:
@@ -263,10 +300,10 @@ class Studio:
             return _on_sheet(main, size)
         sheet = np.zeros((places.main[1], places.width, 4), dtype=np.uint8)
         sheet[:, : places.main[0]] = main
-        framing = framing_of(posed_points(self.skeleton, pose), places.views, self.Rs)
+        framing = framing_of(self.points(pose), places.views, self.Rs)
         top, left = 0, places.main[0] + places.gap
         for view, small in places.views.items():
-            view_camera = parallel_view(self.skeleton, pose, view, small, framing)
+            view_camera = parallel_view(self.points(pose), view, small, framing)
             sheet[top : top + small[1], left:] = self.cut_out_by(view_camera, pose)
             top += small[1] + places.gap
         return _on_sheet(sheet, size)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
@@ -19,7 +20,7 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import pointer_views
 from keypose.app.editor.message import Message
 from keypose.app.editor.motion import feet_paths
-from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.shown import shown_pose, transforms_beside
 from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_files import File, every_format, motion_archive
 from keypose.app.export.motion_formats import formats_of, require_meant
@@ -28,11 +29,14 @@ from keypose.app.orders.motion import MotionOrder
 from keypose.app.orders.order import read_order
 from keypose.app.posing import InView, PointerView, outline, parts_at
 from keypose.app.posing.gesture import Spot
+from keypose.app.render.painting import Figure, form_in
+from keypose.app.render.palette import body_colour
 from keypose.app.render.stills import from_viewpoint
 from keypose.app.render.studio import ViewStyle, png, snapshot
 from keypose.app.server.headers import headers_for
 from keypose.app.server.surfaces import Surfaces
 from keypose.app.store.store import Store
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import KeyposeError, one_sentence
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.session.settings import FrameIndex
@@ -198,12 +202,21 @@ def _named(order: PicturesOrder) -> str:
 
 
 def _png(edit: EditorState, video: Video, frame: int, order: PicturesOrder) -> bytes:
-    pose = shown_pose(edit, frame).pose
+    pose, beside = shown_pose(edit, frame).pose, _figures_beside(edit, frame)
     if isinstance(order.view, Viewpoint):
         floor = feet_paths(edit).floor_m
-        return png(from_viewpoint(edit.doc, frame, pose, order.view, floor, FREE_SIZE))
+        return png(from_viewpoint(edit.doc, frame, pose, order.view, floor, FREE_SIZE, beside))
     look = ViewStyle(order.view, order.style, order.opacity, order.tint)
-    return png(snapshot(edit.doc, video, frame, pose, look))
+    return png(snapshot(edit.doc, video, frame, pose, look, beside))
+
+
+def _figures_beside(edit: EditorState, frame: int) -> tuple[Figure, ...]:
+    """The bodies that are not posed, each in its colour."""
+    places = {body.id: (place, body.body) for place, body in enumerate(edit.doc.bodies)}
+    return tuple(
+        Figure(form_in(Skeleton.of(places[body_id][1]), body_colour(places[body_id][0])), Ts)
+        for body_id, Ts in transforms_beside(replace(edit, frame=frame)).items()
+    )
 
 
 def _person_png(edit: EditorState, video: Video, frame: int, keypoints: Keypoints | None) -> bytes:

@@ -112,7 +112,9 @@ def require_surface_at(changed: Mask, there: Mask, body: Mask) -> None:
 def eye_of(view: ViewName, session: Session, poses: KnownPoses) -> ViewCamera:
     studio = Studio.of(session, poses.skeleton)
     size = (session.view.camera.width, session.view.camera.height)
-    return parallel_view(poses.skeleton, posed(poses), view, size, Framing(Rs=studio.Rs))
+    return parallel_view(
+        posed_points(poses.skeleton, posed(poses)), view, size, Framing(Rs=studio.Rs)
+    )
 
 
 @pytest.mark.parametrize("view", SMALL)
