@@ -29,7 +29,7 @@ def about_one(session: Session, arguments: argparse.Namespace) -> Session:
 def about_drawn(session: Session, arguments: argparse.Namespace) -> tuple[Session, bool]:
     """The session about the body that is drawn in full, the first where none is asked for; and
     whether it is drawn alone. SessionError where it is not there."""
-    name = order_of(OneBody, arguments).body
+    name = order_of(EachBody, arguments).body
     about = session.about(session.subject.id) if name is None else session.about_called(name)
     return about, name is not None
 

@@ -33,7 +33,7 @@ def add_shot(commands: Subcommands) -> None:
     )
     command = add_command(commands, "shot", details, _SHOT_EXAMPLES)
     add_session(command)
-    add_order(command, OneBody)
+    add_order(command, EachBody)
     command.add_argument(
         "--frame", metavar="N", type=typed(Whole(least=0)), required=True, help="the frame to draw"
     )
@@ -59,7 +59,7 @@ def add_film(commands: Subcommands) -> None:
     )
     command = add_command(commands, "film", details, _FILM_EXAMPLES)
     add_session(command)
-    add_order(command, OneBody)
+    add_order(command, EachBody)
     add_order(command, FilmOrder)
     add_output(command, "FILE.mp4")
 
