@@ -35,6 +35,7 @@ GROUPS = (
     "angles",
     "camera",
     "films",
+    "bodies",
     "panned",
     "mask",
     "evidence",

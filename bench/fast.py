@@ -113,15 +113,9 @@ def fast(report: Report, beside: str = BESIDE) -> None:
     report.note(f"ms of processors a frame, a look or a move, here and at {beside}, medians of")
     report.note(f"{TURNS} turns, each revision first in turn; only ratios count")
     table = report.table("what people wait for", "here", "beside", "ratio", "clock ratio")
-    with _films() as films, _both(beside, films) as (here, other):
+    with at_work(beside) as (here, other):
         for row in here.rows:
-            turns: tuple[list[Spent], list[Spent]] = ([], [])
-            for worker in (here, other):
-                worker.spent(row)  # compiled, prepared, in memory
-            for turn in range(TURNS):
-                order = ((0, here), (1, other)) if turn % 2 else ((1, other), (0, here))
-                for k, worker in order:
-                    turns[k].append(worker.spent(row))
+            turns = in_turn(here, other, row)
             cpu = [float(np.median([each.cpu for each in some])) for some in turns]
             wall = [float(np.median([each.wall for each in some])) for some in turns]
             ratio = cpu[1] / cpu[0]
@@ -136,6 +130,25 @@ def fast(report: Report, beside: str = BESIDE) -> None:
                 expected=expected,
             )
         table.row("peak memory, MB", f"{here.peak_mb:.0f}", f"{other.peak_mb:.0f}", "", "")
+
+
+def in_turn(here: Worker, other: Worker, row: str) -> tuple[list[Spent], list[Spent]]:
+    """What a row takes both, each first in turn."""
+    turns: tuple[list[Spent], list[Spent]] = ([], [])
+    for worker in (here, other):
+        worker.spent(row)  # compiled, prepared, in memory
+    for turn in range(TURNS):
+        order = ((0, here), (1, other)) if turn % 2 else ((1, other), (0, here))
+        for k, worker in order:
+            turns[k].append(worker.spent(row))
+    return turns
+
+
+@contextmanager
+def at_work(beside: str) -> Iterator[tuple[Worker, Worker]]:
+    """This revision and the other, at work on the same films."""
+    with _films() as films, _both(beside, films) as workers:
+        yield workers
 
 
 @contextmanager

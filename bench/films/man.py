@@ -7,7 +7,7 @@ keypoints of the whole motion.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import cached_property
@@ -96,7 +96,9 @@ def about_hips(joints: Array) -> Array:
     return np.asarray(joints - joints[:, hips].mean(axis=1, keepdims=True))
 
 
-def man_on_the_beam(folder: Path) -> Man:
+def man_on_the_beam(folder: Path, numbers: Sequence[int] = (BESIDE, FIRST)) -> Man:
+    """The man as the films of these numbers show him, the first one among them; drafted below a
+    folder."""
     source, truth = DATA / "several", DATA / "person" / "reference.npz"
     if not source.is_dir() or not truth.is_file():
         raise Absent("the films of several cameras beside the checkout")
@@ -106,7 +108,7 @@ def man_on_the_beam(folder: Path) -> Man:
     room = sampled(room, np.clip(np.arange(FRAMES) - AHEAD, 0, FRAMES - 1))
     published = _published(source / "qca.txt")
     views, folders = {}, {}
-    for number in (BESIDE, FIRST):
+    for number in numbers:
         film, out = source / f"single_cam0{number}.mp4", folder / f"film-{number}"
         quietly("draft", str(film), "--out", str(out))
         session = load_session(out / "session.json")
