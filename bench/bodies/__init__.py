@@ -9,6 +9,7 @@ from bench.bodies.bonds import bonds
 from bench.bodies.cost import cost
 from bench.bodies.crossing import crossing
 from bench.bodies.film_of_two import film_of_two
+from bench.bodies.floor import floor
 from bench.bodies.promises import write_promises
 from bench.keeping import Absent
 from bench.table import Report
@@ -22,5 +23,5 @@ def bodies(report: Report) -> None:
             promises += film_of_two(report, Path(folder))
     except Absent as absent:
         report.note(f"the film of two persons is left out: {absent} is not here")
-    promises += [*bonds(report), *cost(report)]
+    promises += [*bonds(report), *floor(report), *cost(report)]
     write_promises(report, promises)

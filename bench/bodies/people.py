@@ -1,4 +1,5 @@
-"""The bodies that are rendered: two who pass each other, a handshake, and a stick in a hand."""
+"""The bodies that are rendered: two who pass each other, a handshake, a stick in a hand, and two on
+one floor."""
 
 from __future__ import annotations
 
@@ -7,12 +8,14 @@ from typing import Final
 import numpy as np
 
 from bench.bodies.film import Actor
+from bench.standing_cases import AWAY_M, TILT_RAD, Steps, moved, standing_man, walk
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import (
     Array,
     apply_transform,
+    exp_rotation,
     rotation_from_euler,
     transform,
 )
@@ -31,6 +34,9 @@ ASIDE_M: Final = 0.2
 """By which who speaks stands to the right of the middle."""
 ROOT_M: Final = 0.95
 """Height of the waist of those who shake hands."""
+WALKER_M: Final = -0.5
+STANDING_M: Final = 0.7
+"""Of two on one floor, by which they are to the right of the middle."""
 SHAKES_HZ: Final = 1.2
 HAND: Final = "right_hand"
 PALM_M: Final = (0.014, 0.09, 0.0)
@@ -75,11 +81,9 @@ def handshake() -> tuple[Actor, Actor]:
     aside[:, 1] = 0.0
     first = Trajectory(0, motion.Rs_parent_part, motion.ps_camera_root - aside)
     x, _, z = palm.mean(axis=0).tolist()
-    second = _moved(first, _half_turn(x, z))
     middle = transform(np.eye(3), np.array([-x, 0.0, 0.0]))
-    return Actor("first", body, _moved(first, middle), 0), Actor(
-        "second", body, _moved(second, middle), 1
-    )
+    left, right = (_moved(each, middle) for each in (first, _moved(first, _half_turn(x, z))))
+    return Actor("left", body, left, 0), Actor("right", body, right, 1)
 
 
 def grip() -> tuple[Actor, Actor]:
@@ -92,6 +96,21 @@ def grip() -> tuple[Actor, Actor]:
     Ts = spoken.transforms(skeleton)[:, body.index(HAND)] @ in_hand
     held = Trajectory(0, Ts[:, None, :3, :3], Ts[:, :3, 3])
     return Actor("person", body, spoken, 0), Actor("stick", stick, held, 1)
+
+
+def on_one_floor() -> tuple[Actor, Actor]:
+    """Who walks and who stands, their feet exactly on it, before a camera that looks down."""
+    man, woman = preset("adult_male"), preset("adult_female")
+    walks = _on_floor(man.name, walk(), WALKER_M)
+    stands = _on_floor(woman.name, standing_man(), STANDING_M)
+    return Actor("walks", man, walks, 0), Actor("stands", woman, stands, 1)
+
+
+def _on_floor(name: str, steps: Steps, x_m: float) -> Trajectory:
+    level = moved(Skeleton.of(preset(name)), steps)
+    motion = Trajectory(0, level.Rs_parent_part[:FRAMES], level.ps_camera_root[:FRAMES])
+    down = exp_rotation(np.array([TILT_RAD, 0.0, 0.0]))
+    return _moved(motion, transform(down, np.array([x_m, 0.0, AWAY_M])))
 
 
 def palm_path(skeleton: Skeleton, motion: Trajectory) -> Array:

@@ -9,11 +9,13 @@ from bench.bodies.bonds import MEETINGS, Meeting
 from bench.bodies.crossing import FILMS, LEAST_HIDDEN_FRAMES, exchanged_frames
 from bench.bodies.film import Actor, hidden_shares
 from bench.bodies.film_of_two import RIGHT_SHARE, judged_look
-from bench.bodies.people import passing_by, place_path
+from bench.bodies.people import on_one_floor, passing_by, place_path
 from bench.bodies.promises import Promise, write_promises
+from bench.standing_cases import TILT_RAD
 from bench.table import Report
 from keypose.tracker.body.trajectory import Trajectory
-from keypose.tracker.geometry.rotations import Array
+from keypose.tracker.geometry.rotations import Array, rotation_from_euler
+from keypose.tracker.session.pins import sole_of
 from tests.rendering.scenes import camera
 
 LENS = camera()
@@ -73,6 +75,23 @@ def test_what_meets_does_so_in_truth(meeting: Meeting) -> None:
     ]
     np.testing.assert_allclose(paths[0], paths[1], atol=1e-9)
     assert np.ptp(paths[0], axis=0).max() > 0.02
+
+
+def test_the_feet_of_two_are_on_one_floor_in_truth() -> None:
+    up = rotation_from_euler(0.0, 0.0, TILT_RAD) @ (0.0, -1.0, 0.0)
+    lowest = [
+        np.min(
+            [
+                place_path(actor.skeleton, actor.truth, part.name, sole) @ up
+                for part in actor.body.parts
+                if sole_of(part)
+                for sole in part.landmarks.values()
+            ],
+            axis=0,
+        )
+        for actor in on_one_floor()
+    ]
+    assert np.ptp(lowest) < 0.005
 
 
 def test_a_promise_falls_short_of_what_is_wanted_at_most_and_at_least() -> None:
