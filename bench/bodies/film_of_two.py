@@ -58,8 +58,12 @@ class Posed:
             Keyframe.of(man.skeleton, man.motion.pose(frame), frame, frame / FPS)
             for frame in frames
         )
-        known = {"camera": man.views[FIRST].camera, "body": man.skeleton.body}
-        return load_session(self.folder / "session.json").changed({**known, "keyframes": keyframes})
+        fields = {
+            "camera": man.views[FIRST].camera,
+            "body": man.skeleton.body,
+            "keyframes": keyframes,
+        }
+        return load_session(self.folder / "session.json").changed(fields)
 
     def tracked(self, man: Man, frames: Sequence[int]) -> list[SegmentResult]:
         session = self.session(man, frames)
@@ -82,8 +86,9 @@ def _drafted(man: Man, out: Path) -> Posed:
     film, camera = DATA / "several" / FILM, man.views[FIRST].camera
     angle = math.degrees(2 * math.atan(camera.height / 2 / camera.fy))
     boxes = [word for box in BOXES for word in ("--box", box)]
-    seen = ("--frame", "0", "--body", HER_BODY, "--field-of-view", f"{angle:.3f}")
-    quietly("draft", str(film), *boxes, *seen, "--accept", "--out", str(out))
+    lens = ("--field-of-view", f"{angle:.3f}")
+    people = (*boxes, "--frame", "0", "--body", HER_BODY)
+    quietly("draft", str(film), *people, *lens, "--accept", "--out", str(out))
     return Posed(film, out)
 
 
@@ -99,7 +104,7 @@ def _looks(report: Report, man: Man, folder: Path) -> list[Promise]:
     standing = np.broadcast_to(her[0], her.shape)
     of_him = [judged_look(him[n], true[n], standing[n]) for n in LOOKS]
     of_her = [judged_look(her[n], standing[n], true[n]) for n in LOOKS]
-    table = report.table("looks while he passes her", "right", "on the other", "wrong", "unseen")
+    table = report.table("looks while he passes her", "right", "on other", "wrong", "unseen")
     for name, looks in (("of him", of_him), ("of her", of_her)):
         table.row(name, *(looks.count(kind) for kind in ("right", "other", "wrong", "unseen")))
     on_other = of_him.count("other") + of_her.count("other")

@@ -45,9 +45,9 @@ def floor(report: Report) -> list[Promise]:
     promises = []
     for kind, cases in kinds.items():
         worst = 0.0
-        for keyposes in cases:
+        for number, keyposes in enumerate(cases, 1):
             for name, (own, others) in _soles_of_each(film, keyposes).items():
-                table.row(f"{name}, {kind}", own, others)
+                table.row(f"{name}, {kind} {number}", own, others)
                 worst = max(worst, own, others)
         promises.append(Promise.at_most(f"soles, {kind}", worst, MOST_SOLES_CM, "cm"))
     return promises
