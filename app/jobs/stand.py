@@ -104,12 +104,16 @@ def stood_together(
     body_ids: Sequence[str],
     cancelled: Callable[[], bool] | None = None,
 ) -> tuple[Session, dict[str, BodyStood], dict[str, str]]:
-    """A saved session whose bodies stand one after the other on one floor, that which the first of
-    them finds; what became of each, and why others do not stand, by their ids. SessionError where
+    """A saved session whose bodies stand one after the other on one floor, that which the first to
+    stand finds; what became of each, and why others do not stand, by their ids. SessionError where
     nobody does; no file is written.
     """
+    from keypose.tracker.operations.stand import in_standing_order  # loads what only this needs
+
     whole, standing, refused = session, dict[str, BodyStood](), dict[str, str]()
-    for body_id in body_ids:
+    abouts = [session.about(body_id) for body_id in body_ids]
+    fittings = {about.subject.id: _loaded(about, path).fitting(about) for about in abouts}
+    for body_id in in_standing_order(session, fittings):
         about = whole.about(body_id)
         try:
             if standing:
@@ -210,17 +214,20 @@ class StandOnFloor(Fit):
         return cls(*sent(opened, edit.doc), fittings, edit.frame)
 
     def work(self, session: Session, context: Context) -> EachStood:
-        from keypose.tracker.operations.stand import stand  # loads what only this needs
+        from keypose.tracker.operations.stand import (  # loads what only this needs
+            in_standing_order,
+            stand,
+        )
 
         video = context.cache.video(session, self.video_path)
         seen_upright = seen_lines(session, video, self.frame)
         standing: dict[str, Standing] = {}
         refused: dict[str, str] = {}
         whole = session
-        for body_id, fitting in self.fittings.items():
+        for body_id in in_standing_order(session, self.fittings):
             stand_there = partial(
                 stand,
-                fitting=fitting,
+                fitting=self.fittings[body_id],
                 up_evidence=seen_upright.evidence,
                 cancelled=context.cancelled,
                 tilts=not standing,

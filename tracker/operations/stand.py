@@ -112,6 +112,24 @@ def stand(
     )
 
 
+def in_standing_order(
+    session: Session, fittings: Mapping[str, Mapping[Span, SegmentResult]]
+) -> list[str]:
+    """The ids of bodies as they are to be stood on one floor, that of the first: who walks farthest
+    shows best where it lies, and who stands still at a wrong distance tilts it.
+
+    fittings: what was tracked, by segment, by the body's id.
+    """
+
+    def walked_m(body_id: str) -> float:
+        motions = motions_of(session.about(body_id), fittings[body_id]).values()
+        return max(
+            (float(np.linalg.norm(np.ptp(m.ps_camera_root, axis=0))) for m in motions), default=0.0
+        )
+
+    return sorted(fittings, key=lambda body_id: -round(walked_m(body_id), 1))
+
+
 def _why_nothing_stands(
     session: Session, fitting: Mapping[Span, SegmentResult], motion: Tracks | None
 ) -> str:

@@ -17,6 +17,7 @@ from keypose.app.jobs import find_up
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import exp_rotation
+from keypose.tracker.operations.stand import in_standing_order
 from keypose.tracker.session import Session
 from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.keyframe import Keyframe
@@ -218,6 +219,18 @@ def three(path: Path) -> Path:
         whole = save_results(about, path, results_of(about, motion)).about("body")
     save_session(whole, path)
     return path
+
+
+def test_who_walks_farthest_stands_first_and_else_the_order_stays(three: Path) -> None:
+    session = load_session(three)
+    fittings = {
+        body_id: load_results(session.about(body_id), three).fitting(session.about(body_id))
+        for body_id in ("body", "second")
+    }
+    assert in_standing_order(session, fittings) == ["body", "second"]
+    begun = dict(list(fittings["body"].items())[:1])
+    assert in_standing_order(session, {**fittings, "body": begun}) == ["second", "body"]
+    assert in_standing_order(session, {**fittings, "body": {}}) == ["second", "body"]
 
 
 def test_several_bodies_stand_on_one_floor_and_what_has_no_feet_is_said(
