@@ -18,7 +18,7 @@ from bench.standing_measures import MOST_SOLES_CM
 from bench.table import Report
 from bench.tracking import keyframes_every
 from keypose.app.jobs.stand import resolved, stood_beside
-from keypose.tracker.operations.stand import stand
+from keypose.tracker.operations.stand import in_standing_order, stand
 from keypose.tracker.session import Session
 from keypose.tracker.space.soles import soles_of
 from keypose.tracker.storage.results import Results
@@ -32,7 +32,8 @@ def floor(report: Report) -> list[Promise]:
     """How far soles are from the floor, of each body that stands first, and second."""
     report.note(
         "soles: the greatest distance of a pinned heel or toe from the floor, where the body finds "
-        "that itself, and where the other one has found it before"
+        "that itself, and where the other one has found it before; the program takes that of the "
+        "one who walks farther"
     )
     table = report.table("soles, stood on a floor", "own cm", "other's cm")
     film = rendered_film("floor", on_one_floor())
@@ -46,9 +47,11 @@ def floor(report: Report) -> list[Promise]:
     for kind, cases in kinds.items():
         worst = 0.0
         for number, keyposes in enumerate(cases, 1):
-            for name, (own, others) in _soles_of_each(film, keyposes).items():
+            soles = _soles_of_each(film, keyposes)
+            for name, (own, others) in soles.items():
                 table.row(f"{name}, {kind} {number}", own, others)
-                worst = max(worst, own, others)
+            (own, _), (_, others) = soles.values()
+            worst = max(worst, own, others)
         promises.append(Promise.at_most(f"soles, {kind}", worst, MOST_SOLES_CM, "cm"))
     return promises
 
@@ -64,14 +67,20 @@ def _at_wrong_distances(film: Film, keyposes: Keyposes) -> Keyposes:
 
 
 def _soles_of_each(film: Film, keyposes: Keyposes) -> dict[str, tuple[float, float]]:
-    """How far the soles of each are from its own floor, and from that of the other."""
+    """How far the soles of each are from its own floor, and from that of the other; the one whose
+    floor the program takes comes first."""
     session = film.session(keyposes)
     results = all_tracked(session, film.video)
     first, last = keyposes
     forward, backward = (
         soles_cm(session, results, order) for order in ((first, last), (last, first))
     )
-    return {first: (forward[first], backward[first]), last: (backward[last], forward[last])}
+    own_and_others = {
+        first: (forward[first], backward[first]),
+        last: (backward[last], forward[last]),
+    }
+    fittings = {body_id: results.fitting(session.about(body_id)) for body_id in keyposes}
+    return {body_id: own_and_others[body_id] for body_id in in_standing_order(session, fittings)}
 
 
 def soles_cm(session: Session, results: Results, order: Sequence[str]) -> dict[str, float]:
@@ -80,7 +89,7 @@ def soles_cm(session: Session, results: Results, order: Sequence[str]) -> dict[s
     whole, off = session, dict[str, float]()
     for body_id in order:
         about = whole.about(body_id)
-        stand_there = partial(stand, fitting=results.fitting(about))
+        stand_there = partial(stand, fitting=results.fitting(about), tilts=not off)
         done = stood_beside(about, whole.world, stand_there) if off else stand_there(about)
         whole = done.session
         soles = soles_of(whole, resolved(whole, results).space(whole))
