@@ -192,6 +192,7 @@ def with_scans(folder: Path) -> None:
 
 def for_models(folder: Path) -> None:
     with_network(folder / "rtmw-x.zip")
+    shutil.copy(folder / "rtmw-x.zip", folder / "rtmpose-m-ap10k.zip")
 
 
 def for_batch(folder: Path) -> None:

@@ -16,6 +16,7 @@ from keypose.app.cli.json_output import print_json
 from keypose.app.cli.long_work import set_when_interrupted
 from keypose.app.document.folder_lock import locked
 from keypose.app.editor.drafted import (
+    drafting_model,
     flipped_drafts,
     proposed_frames,
     require_draftable,
@@ -38,7 +39,6 @@ from keypose.app.words.people import accepted_words, flipped_words, found_person
 from keypose.app.words.review import draft_reason
 from keypose.tracker.errors import SessionError
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress
-from keypose.tracker.keypoints.model_files import find_model
 from keypose.tracker.session import Session
 from keypose.tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
 from keypose.tracker.storage.files import load_session, save_session, session_json
@@ -181,9 +181,10 @@ def _say_how_long(
     if as_json:
         return
     count = frames[1] - frames[0] + 1
-    network = session.settings.network_used
-    seconds = people * count * known_or_measured(network)
-    if not needs_masks(session) and find_model(network).skips_frames_at(fps):
+    model = drafting_model(session)
+    seconds = people * count * known_or_measured(model.name)
+    every_second = not needs_masks(session) and model.skips_frames_at(fps)
+    if every_second and not model.of_animals:
         seconds /= 2
     if words := about_words(seconds):
         print(f"Drafting {count} frames takes {words}.", file=sys.stderr, flush=True)

@@ -10,7 +10,7 @@ from keypose.app.cli.json_output import print_json
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.joint_kinds import KINDS
 from keypose.tracker.keypoints.known_person import ENOUGH, SEEN_JOINTS
-from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.layouts import NETWORK_LAYOUTS
 from keypose.tracker.keypoints.model_files import (
     LARGEST_BYTES,
     MODELS,
@@ -34,6 +34,9 @@ TIMEOUT_S = 30.0
 
 def run(arguments: argparse.Namespace) -> int:
     action, name = arguments.what, arguments.name
+    own = name not in [model.name for model in MODELS] and arguments.file is not None
+    if arguments.animals and (action != "add" or not own):
+        raise KeypointError("--animals belongs to `keypose models add NAME --from FILE`.")
     option = "--from" if arguments.file is not None else "--sha256"
     if action != "add" and (arguments.file is not None or arguments.sha256 is not None):
         raise KeypointError(f"{option} belongs to `keypose models add NAME`.")
@@ -76,7 +79,7 @@ def _list(as_json: bool) -> int:
 
 def _added(name: str, arguments: argparse.Namespace) -> Model:
     if name not in [model.name for model in MODELS] and arguments.file is not None:
-        return add_own(name, arguments.file, arguments.sha256)
+        return add_own(name, arguments.file, arguments.sha256, animals=arguments.animals)
     model = find_model(name)
     if model.bundled:
         raise KeypointError(f"The {name} network comes with Keypose.")
@@ -104,13 +107,16 @@ def _facts(model: Model) -> dict[str, object]:
 def _kind(model: Model) -> str:
     heads = model.heads
     assert heads is not None
-    joints = len(LAYOUTS[heads.layout])
-    return f"{KINDS[heads.kind].title}, {joints} joints, {heads.width} × {heads.height}"
+    whose = " of animals" if heads.of_animals else ""
+    joints = f"{len(NETWORK_LAYOUTS[heads.layout])} joints{whose}"
+    return f"{KINDS[heads.kind].title}, {joints}, {heads.width} × {heads.height}"
 
 
 def _seen_words(model: Model) -> list[str]:
     """What a network finds in the test picture, and what was decided for it."""
     heads = model.heads
+    if heads is not None and heads.of_animals:
+        return ["It is of animals: it drafts a dog or a horse."]
     if heads is None or heads.finds is None:
         return []
     words = [f"It finds {heads.finds} of {SEEN_JOINTS} joints of a person in a test picture."]

@@ -20,11 +20,13 @@ from keypose.app.editor.state import EditorState
 from keypose.tracker.body.body import Body, preset
 from keypose.tracker.body.modify import unscaled, without_clavicles
 from keypose.tracker.body.pose import Pose
-from keypose.tracker.body.preset_names import PEOPLE, PRESETS
+from keypose.tracker.body.preset_names import ANIMALS, PEOPLE, PRESETS
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.errors import listed
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
+from keypose.tracker.keypoints.model_files import Model, animal_model, find_model
+from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.on_body import points_on_body
 from keypose.tracker.keypoints.region import Box, Region
 from keypose.tracker.session import annotations as record
@@ -44,14 +46,31 @@ LIFTED = "draft anew"
 KEYPOINT_SOURCE = "BlazePose"
 
 
+def drafting_model(doc: Session) -> Model:
+    """The network that drafts the body that is posed; KeypointError where there is none."""
+    chosen = doc.settings.network_used
+    return animal_model(chosen) if is_animals(doc.subject.body) else find_model(chosen)
+
+
+def keypoint_source(doc: Session) -> str:
+    """What finds the keypoints of the body that is posed, as files name it."""
+    return drafting_model(doc).name if is_animals(doc.subject.body) else KEYPOINT_SOURCE
+
+
 def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int]) -> None:
     """Refused, or KeypointError, in one sentence where a draft of these frames, first and last,
     from a box on one of them cannot be had."""
     count = doc.view.video.frame_count
     if doc.view.surface is not None:
         raise ActionRefused("Drafts are made from a video, not from surfaces.")
-    if len(points_on_body(doc.subject.body, JOINTS).indices) < len(JOINTS):
-        raise ActionRefused(f"Drafts need a person's body: choose {listed(PEOPLE)} first.")
+    body = doc.subject.body
+    if is_animals(body):
+        animal_model(doc.settings.network_used)
+    elif len(points_on_body(body, JOINTS).indices) < len(JOINTS):
+        bodies = listed([*PEOPLE, *ANIMALS])
+        raise ActionRefused(
+            f"Drafts need the body of a person or an animal: choose {bodies} first."
+        )
     first, last = frames
     if not 0 <= first <= last < count:
         raise ActionRefused(
@@ -302,7 +321,9 @@ def _can_learn(doc: Session) -> bool:
 
 
 def _has_found_keypoints(doc: Session) -> bool:
-    return doc.view.keypoints is not None and doc.view.given_keypoints is None
+    """Keypoints with depth, from which drafts are found anew: an animal's have none."""
+    is_found = doc.view.keypoints is not None and doc.view.given_keypoints is None
+    return is_found and not is_animals(doc.subject.body)
 
 
 def near_frames(doc: Session, around: Collection[int]) -> Session:

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.app.editor.drafted import (
-    KEYPOINT_SOURCE,
     LABEL,
     drafted_session,
+    drafting_model,
     frame_runs,
     frames_of,
     keeps_proportions,
+    keypoint_source,
     require_draftable,
     require_rest,
 )
@@ -31,6 +32,7 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.detect import STRETCH, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.keypoints.region import Box, require_apart
 from keypose.tracker.session import Session
@@ -181,6 +183,8 @@ def drafted_people(
     from keypose.tracker.storage.cache import Detections
 
     require_apart(boxes, at)
+    if is_animals(session.subject.body):
+        return _drafted_animals(session, video, at, boxes, frames, report, cancelled)
     detected = _Detected.at_box(at)
 
     def picture(number: int) -> NDArray[np.uint8] | None:
@@ -237,6 +241,47 @@ def drafted_people(
     if len(boxes) == 1:
         detected.keep_pace(name, time.monotonic() - began)
     return [Drafted(_outlined(each, session), network.fingerprint) for each in clip_drafts]
+
+
+def _drafted_animals(
+    session: Session,
+    video: Video,
+    at: int,
+    boxes: Sequence[Box],
+    frames: tuple[int, int],
+    report: Callable[[DraftProgress], None],
+    cancelled: Callable[[], bool],
+) -> list[Drafted]:
+    """The drafts of animals in boxes on one frame, each followed by itself; Cancelled wherever it
+    was left."""
+    from keypose.tracker.fitting.draft import draft_animal  # loads what only this needs
+    from keypose.tracker.keypoints.detectors import open_animal_detector
+
+    def picture(number: int) -> NDArray[np.uint8] | None:
+        try:
+            return video.frame(number)
+        except MissingFrame:
+            return None
+
+    model = drafting_model(session)
+    network, began = open_animal_detector(model), time.monotonic()
+    drafts = [
+        draft_animal(
+            picture,
+            frames,
+            Seed.of_box(at, box, session.view.camera.width, session.view.camera.height),
+            session.view.camera,
+            session.subject.body,
+            network,
+            up_world=session.world.up_world,
+            path=session.camera_path,
+            report=DraftReporter(report, cancelled),
+        )
+        for box in boxes
+    ]
+    count = len(boxes) * (frames[1] - frames[0] + 1)
+    keep_seconds_a_frame(model.name, (time.monotonic() - began) / count)
+    return [Drafted(draft, network.fingerprint) for draft in drafts]
 
 
 def _outlined(draft: ClipDraft, session: Session) -> ClipDraft:
@@ -360,7 +405,7 @@ class DraftClip(Fit):
             doc,
             path,
             keypoints,
-            KEYPOINT_SOURCE,
+            keypoint_source(doc),
             network=network,
             seeds=tuple(seeds),
             together=together,

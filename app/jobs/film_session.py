@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from keypose.app.document.new import new_session
 from keypose.app.editor.camera import as_taken
-from keypose.app.editor.drafted import KEYPOINT_SOURCE, drafted_session, require_draftable
+from keypose.app.editor.drafted import drafted_session, keypoint_source, require_draftable
 from keypose.app.jobs.draft import Drafted, taken_and_left
 from keypose.app.jobs.rerun import with_settings
 from keypose.app.orders.film import FilmOrder, FilmToDraft
@@ -29,6 +29,7 @@ from keypose.tracker.keypoints.find_people import (
     people_in_film,
     spread_frames,
 )
+from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.storage.sidecars import save_keypoints
@@ -103,6 +104,11 @@ def who_are_drafted(
         at = frames[0] if order.frame is None else order.frame
         require_draftable(session, at, order.box, frames)
         return [WhoIsDrafted(at, order.box)]
+    if is_animals(session.subject.body):
+        raise KeypointError(
+            "An animal is drafted from a box around it, which is missing: give its left, top, "
+            "right and bottom in pixels, as in --box 210,80,420,610."
+        )
     whole = (0.0, 0.0, session.view.video.width - 1.0, session.view.video.height - 1.0)
     require_draftable(session, frames[0] if order.frame is None else order.frame, whole, frames)
     numbers = spread_frames(*frames) if order.frame is None else [order.frame]
@@ -155,7 +161,7 @@ def with_draft_kept(
         session,
         place,
         draft.keypoints,
-        KEYPOINT_SOURCE,
+        keypoint_source(session),
         network=network,
         seeds=(who.frame,),
         together=together,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from keypose.app.orders.order import option
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, YesNo
 from keypose.app.orders.values import Choice, FrameRange, Misread, Number, Switch, Value, Whole
-from keypose.tracker.body.preset_names import PEOPLE
+from keypose.tracker.body.preset_names import ANIMALS, PEOPLE
 
 if TYPE_CHECKING:
     from keypose.tracker.keypoints.region import Box
@@ -68,7 +68,8 @@ class FilmOrder:
         FrameRange(), "first and last frame to draft; default: all"
     )
     body: str | None = option(
-        Choice("PRESET", PEOPLE), f"{', '.join(PEOPLE)}; default: as `keypose config` says"
+        Choice("PRESET", (*PEOPLE, *ANIMALS)),
+        f"{', '.join((*PEOPLE, *ANIMALS))}; default: as `keypose config` says",
     )
     height_cm: float | None = option(
         Number("CM", least=SHORTEST_CM, most=TALLEST_CM, unit="cm"),

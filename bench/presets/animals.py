@@ -5,10 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from keypose.tracker.body.body import ALL_DOFS, Body, Part, Point
+from keypose.tracker.body.body import ALL_DOFS, Body, Limits, Part, Point
 from keypose.tracker.body.shapes import Box, Frustum
 
 Radii: TypeAlias = tuple[float, float]
+
+SIDEWAYS = 25
+"""Estimate: how far a leg is led away from the trunk or under it."""
+GIVE = 10
+"""Estimate: what a leg yields about its own length, and a knee across its hinge."""
+RANGES: dict[str, Limits] = {
+    "neck": {"x": (-40, 125), "y": (-60, 60), "z": (-45, 45)},
+    "head": {"x": (-60, 60), "y": (-45, 45), "z": (-30, 30)},
+    "tail": {"x": (-30, 150), "y": (-GIVE, GIVE), "z": (-80, 80)},
+    "front_upper_leg": {"x": (-70, 60), "y": (-GIVE, GIVE), "z": (-SIDEWAYS, SIDEWAYS)},
+    "front_lower_leg": {"x": (-110, 60), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
+    "hind_upper_leg": {"x": (-80, 55), "y": (-GIVE, GIVE), "z": (-SIDEWAYS, SIDEWAYS)},
+    "hind_lower_leg": {"x": (-40, 110), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
+}
+"""Estimates: angles from legs that stand straight down. The lower part of a front leg has elbow
+and wrist in one, which bend opposite ways, that of a hind leg knee and hock."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +90,7 @@ def make_animal(animal: Quadruped) -> Body:
     parts = [*_trunk(animal), *_legs(animal, "left", 1), *_legs(animal, "right", -1)]
     limbs = [f"{leg}_{half}_leg" for leg, *_ in animal.legs for half in ("upper", "lower")]
     pairs = tuple((f"left_{limb}", f"right_{limb}") for limb in limbs)
+    parts = [part.model_copy(update={"limits_deg": _limits(part.name)}) for part in parts]
     return Body(name=animal.name, parts=tuple(parts), mirror_pairs=pairs, source=animal.source)
 
 
@@ -100,6 +117,11 @@ def _trunk(animal: Quadruped) -> list[Part]:
             landmarks={"tail_tip": (0.0, tail.end_m, 0.0)},
         ),
     ]
+
+
+def _limits(name: str) -> Limits:
+    """Of both sides alike."""
+    return RANGES.get(name.removeprefix("left_").removeprefix("right_"), {})
 
 
 def _legs(animal: Quadruped, side: str, out: int) -> list[Part]:

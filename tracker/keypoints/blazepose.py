@@ -67,12 +67,14 @@ _OUTPUTS = ("Identity", "Identity_1", "Identity_2", "Identity_3", "Identity_4")
 class Seen:
     """What the network sees in one region.
 
-    uv:         (33, 2) pixels of the whole picture, in the order of NAMES.
+    uv:         (33, 2) pixels of the whole picture, in the order of NAMES; of an animal those of
+                AP_10K.
     visibility: (33,) from 0 to 1.
     p_hips:     (33, 3) metres in axes parallel to the picture's, the middle of the hips at 0.
     presence:   from 0 to 1, how sure it is that somebody is there.
     next:       the region around this body, to look at in the next frame.
-    mask:       where in the region the person is; of several looks the plain one's.
+    mask:       where in the region the person is; of several looks the plain one's. None where the
+                network does not say it.
     """
 
     uv: Array
@@ -80,7 +82,7 @@ class Seen:
     p_hips: Array
     presence: float
     next: Region
-    mask: PersonMask
+    mask: PersonMask | None = None
 
     def exchanged(self) -> Seen:
         """Exchange left and right."""

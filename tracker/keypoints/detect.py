@@ -28,12 +28,25 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.layouts import AP_10K
 from keypose.tracker.keypoints.person_mask import PersonMask
 from keypose.tracker.keypoints.region import Box, Region
 
 LEAST_PRESENCE: Final = 0.5
 LOOK_PARTS: Final = 32
 """Regions are rounded to so many parts of their size before each look."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Whose keypoints are detected: what it is called, and the names of its keypoints."""
+
+    noun: str
+    names: tuple[str, ...]
+
+
+PERSON: Final = Subject("person", NAMES)
+ANIMAL: Final = Subject("animal", AP_10K)
 
 
 class Detector(Protocol):
@@ -48,7 +61,7 @@ class Detector(Protocol):
 class DetectionWindow:
     """A piece of a chain: N frames in its direction.
 
-    uv, visibility, p_hips: (N, 33, ...) as of Keypoints, NaN and 0 where nobody was seen.
+    uv, visibility, p_hips: (N, K, ...) as of Keypoints, NaN and 0 where nobody was seen.
     regions: (N, 4) where to look after each frame.
     lost_for: (N,) since how many frames the body is lost.
     masks: N, where the person is; None where nobody was seen.
@@ -91,22 +104,27 @@ class DetectionWindow:
 class Rows:
     """A stretch while it grows: looked at frame by frame, each where the body was last."""
 
-    def __init__(self, region: Region, lost_for: int = 0) -> None:
-        self.region, self.lost_for = region, lost_for
+    def __init__(self, region: Region, lost_for: int = 0, subject: Subject = PERSON) -> None:
+        self.region, self.lost_for, self.subject = region, lost_for, subject
         self._seen: list[Seen | None] = []
         self._regions: list[Region] = []
         self._lost_for: list[int] = []
 
     @classmethod
     def begun(
-        cls, region: Region, network: Detector, picture: NDArray[np.uint8] | None, most: int
+        cls,
+        region: Region,
+        network: Detector,
+        picture: NDArray[np.uint8] | None,
+        most: int,
+        subject: Subject = PERSON,
     ) -> Rows:
         """One frame, looked at each time where the body was seen the last time, until that is a
         region of before: so many times at most."""
-        rows, looked = cls(region), set[Region]()
+        rows, looked = cls(region, subject=subject), set[Region]()
         while len(looked) < most and (here := rows.region.rounded(LOOK_PARTS)) not in looked:
             looked.add(here)
-            rows = cls(rows.region)
+            rows = cls(rows.region, subject=subject)
             rows.add(network, picture)
         return rows
 
@@ -134,7 +152,7 @@ class Rows:
         self._lost_for.append(self.lost_for)
 
     def stretch(self) -> DetectionWindow:
-        points = len(NAMES)
+        points = len(self.subject.names)
         uv, metres = np.full((points, 2), np.nan), np.full((points, 3), np.nan)
         unseen = np.zeros(points)
         return DetectionWindow(
@@ -217,6 +235,7 @@ def detect(
     film: str = "",
     kept: Kept | None = None,
     every_second: bool = False,
+    subject: Subject = PERSON,
 ) -> Keypoints:
     """The keypoints of one body in all frames from the first to the last asked for.
 
@@ -225,17 +244,20 @@ def detect(
     report: called before each look; what it raises ends the work within a frame.
     film:   fingerprint of the pictures, under which stretches are kept; with `kept` alone.
     every_second: whether every second frame is enough, those between being means without a mask.
+    subject: whom the network sees.
 
     Where nobody is found, and in frames that cannot be decoded, keypoints are NaN and unseen.
     KeypointError when no seed's region shows anybody.
     """
     ordered = in_order(seeds, frames)
     count = frames[1] - frames[0] + 1
-    work = _DetectionRun(frame, network, report, film, kept, every_second, expected=count)
+    work = _DetectionRun(
+        frame, network, report, film, kept, every_second, expected=count, subject=subject
+    )
     starts = [start for start in map(work.start, ordered) if start is not None]
     if not starts:
-        raise nobody(ordered)
-    keypoints = along_chains(work, starts, frames)
+        raise nobody(ordered, subject)
+    keypoints = along_chains(work, starts, frames, subject)
     return with_means(keypoints) if every_second else keypoints
 
 
@@ -259,10 +281,12 @@ class Chains(Protocol):
         """All frames after the start up to the last, in this direction."""
 
 
-def along_chains(work: Chains, starts: Sequence[Start], frames: tuple[int, int]) -> Keypoints:
+def along_chains(
+    work: Chains, starts: Sequence[Start], frames: tuple[int, int], subject: Subject = PERSON
+) -> Keypoints:
     """The keypoints of all frames from the first to the last, from one start or more, in order."""
     first, last = frames
-    frames_found = _Found(first, last)
+    frames_found = _Found(first, last, subject)
     frames_found.put(starts[0].frame, -1, work.chain(starts[0], -1, first))
     for start, next_start in pairwise(starts):
         frames_found.between(start.frame, *_both_ways(work, start, next_start))
@@ -291,12 +315,12 @@ def with_means(keypoints: Keypoints) -> Keypoints:
     return replace(keypoints, uv=uv, visibility=visibility, p_hips=p_hips)
 
 
-def nobody(seeds: Sequence[Seed]) -> KeypointError:
+def nobody(seeds: Sequence[Seed], subject: Subject = PERSON) -> KeypointError:
     """What is said where no seed's region shows anybody."""
     where = f"frame{'s' if len(seeds) > 1 else ''} {listed([str(seed.frame) for seed in seeds])}"
     return KeypointError(
-        f"No person was found at {where}: draw the box around the whole body, in a frame that "
-        "shows it well."
+        f"No {subject.noun} was found at {where}: draw the box around the whole body, in a frame "
+        "that shows it well."
     )
 
 
@@ -352,9 +376,9 @@ def _change(forward: DetectionWindow, backward: DetectionWindow) -> int:
 class _Found:
     """Rows of the frames asked for, filled in."""
 
-    def __init__(self, first: int, last: int) -> None:
-        self._first = first
-        count, points = last - first + 1, len(NAMES)
+    def __init__(self, first: int, last: int, subject: Subject) -> None:
+        self._first, self._names = first, subject.names
+        count, points = last - first + 1, len(subject.names)
         self._uv = np.full((count, points, 2), np.nan)
         self._visibility = np.zeros((count, points))
         self._p_hips = np.full((count, points, 3), np.nan)
@@ -382,7 +406,12 @@ class _Found:
 
     def keypoints(self) -> Keypoints:
         return Keypoints(
-            self._first, NAMES, self._uv, self._visibility, self._p_hips, masks=tuple(self._masks)
+            self._first,
+            self._names,
+            self._uv,
+            self._visibility,
+            self._p_hips,
+            masks=tuple(self._masks),
         )
 
 
@@ -397,6 +426,7 @@ class _DetectionRun:
     kept: Kept | None
     every_second: bool
     expected: int
+    subject: Subject = PERSON
     done: int = 0
 
     def start(self, seed: Seed) -> Start | None:
@@ -405,7 +435,8 @@ class _DetectionRun:
         def look() -> DetectionWindow:
             self._report(seed.frame)
             picture = self.frame(seed.frame)
-            return Rows.begun(seed.region, self.network, picture, MOST_LOOKS_AT_SEED).stretch()
+            rows = Rows.begun(seed.region, self.network, picture, MOST_LOOKS_AT_SEED, self.subject)
+            return rows.stretch()
 
         key = ("seed until it stays", seed.frame, astuple(seed.region))
         stretch = self._kept(key, 1, look)
@@ -415,7 +446,7 @@ class _DetectionRun:
         """All frames after the start up to the last, in this direction."""
         frames = range(start.frame + direction, last + direction, direction)
         region, lost_for = start.region, 0
-        pieces = [Rows(region).stretch()]
+        pieces = [Rows(region, subject=self.subject).stretch()]
         for piece_frames in frames_together(frames):
             piece = self._stretch(piece_frames, region, lost_for)
             pieces.append(piece)
@@ -424,7 +455,7 @@ class _DetectionRun:
 
     def _stretch(self, frames: range, region: Region, lost_for: int) -> DetectionWindow:
         def look() -> DetectionWindow:
-            rows = Rows(region, lost_for)
+            rows = Rows(region, lost_for, self.subject)
             for number in frames:
                 self._report(number)
                 may_skip = self.every_second and is_between(number) and number != frames[-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import cv2
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.joint_kinds import KINDS, prepared
-from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.layouts import NETWORK_LAYOUTS
 from keypose.tracker.keypoints.model_files import JointHeads, Model, note_damaged, verified
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import (
@@ -23,6 +24,10 @@ from keypose.tracker.keypoints.runtimes import (
     fast_is_here,
     open_runtime,
 )
+
+OF_AN_ANIMAL: Final = 1.15
+"""What the input shows of the region around an animal, which ends at its keypoints: networks of
+animals were trained on boxes around the whole of it × 1.25."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +43,11 @@ class JointNetwork:
     """A network that has been read. One thread at a time; the same input gives the same output."""
 
     def __init__(self, model: Model, heads: JointHeads, runtime: Runtime) -> None:
-        self.names = LAYOUTS[heads.layout]
+        self.names = NETWORK_LAYOUTS[heads.layout]
         self.fingerprint = f"{model.sha256[:16]}-{runtime.name}"
         self._heads = heads
         self._kind = KINDS[heads.kind]
+        self._share = OF_AN_ANIMAL if heads.of_animals else self._kind.share
         self.doubted = self._kind.doubted
         self._size = heads.width, heads.height
         self._runtime = runtime
@@ -62,8 +68,8 @@ class JointNetwork:
         return network
 
     def infer(self, picture: NDArray[np.uint8], region: Region) -> SeenJoints:
-        """The joints of the person in BlazePose's region of a picture (H, W, 3), RGB."""
-        shown = replace(region, side=self._kind.share * region.side)
+        """The joints of whom a region of a picture (H, W, 3), RGB, is around."""
+        shown = replace(region, side=self._share * region.side)
         outputs, to_picture = self._run(picture, shown)
         return _in_picture(*self._kind.decoded(outputs, self._size), to_picture)
 

@@ -4,6 +4,8 @@ COCO_17, and COCO_WHOLEBODY_133 after it: COCO and COCO-WholeBody, `keypoints` o
 OPENPOSE_18, BODY_25, BODY_25B: OpenPose, the maps POSE_…_BODY_PARTS in `poseParameters`.
 HALPE_26: Halpe-FullBody, the 26 keypoints of the body, as AlphaPose writes them.
 MEDIAPIPE_33: MediaPipe Pose, the enumeration `PoseLandmark`.
+
+AP_10K: AP-10K, animals on four legs, `keypoints` of its categories; no file of a person has it.
 """
 
 from __future__ import annotations
@@ -63,6 +65,14 @@ LAYOUTS: Final[dict[str, tuple[str, ...]]] = {
     ),
 }
 """By the layout's name its keypoints in order."""
+
+AP_10K: Final = (
+    *("left_eye", "right_eye", "nose", "neck", "tail_root"),
+    *_sides("left", "right", ("shoulder", "elbow", "front_paw")),
+    *_sides("left", "right", ("hip", "knee", "back_paw")),
+)
+NETWORK_LAYOUTS: Final = {**LAYOUTS, "AP_10K": AP_10K}
+"""The same with that of networks of animals, which has as many keypoints as COCO's."""
 
 
 def layouts_of(count: int) -> tuple[str, ...]:

@@ -29,9 +29,10 @@ LARGEST_NOTE_BYTES: Final = 2**16
 """Of the note beside a network that says how it is read."""
 
 JointKind: TypeAlias = Literal["movenet", "simcc", "maps", "rtmo"]
-JointLayout: TypeAlias = Literal["COCO_17", "HALPE_26", "COCO_WHOLEBODY_133"]
-"""Names in `LAYOUTS` of those that networks may have: they are told apart by how many joints each
-has."""
+JointLayout: TypeAlias = Literal["COCO_17", "HALPE_26", "COCO_WHOLEBODY_133", "AP_10K"]
+"""Names in `NETWORK_LAYOUTS` of those that networks may have: those of people are told apart by how
+many joints each has."""
+OF_ANIMALS: Final = "AP_10K"
 _Pixels: TypeAlias = Annotated[int, Field(ge=32, le=2048)]
 _Deviation: TypeAlias = Annotated[FiniteFloat, Field(gt=0)]
 
@@ -71,6 +72,11 @@ class JointHeads(BaseModel):
     needs_fast: bool = Field(default=False, exclude_if=operator.not_)
     finds: Annotated[int, Field(ge=0, le=17)] | None = Field(default=None, exclude_if=_is_none)
 
+    @property
+    def of_animals(self) -> bool:
+        """Whether it sees animals in place of people."""
+        return self.layout == OF_ANIMALS
+
 
 class AddedNetwork(BaseModel):
     """A network that a person added, as the file beside it says."""
@@ -98,6 +104,11 @@ class Model:
     size_mb: float
     bundled: bool
     heads: JointHeads | None = None
+
+    @property
+    def of_animals(self) -> bool:
+        """Whether it sees animals in place of people."""
+        return self.heads is not None and self.heads.of_animals
 
     @property
     def path(self) -> Path:
@@ -210,6 +221,18 @@ def find_model(name: str) -> Model:
         ) from None
     except ValidationError:
         raise note_damaged(name) from None
+
+
+def animal_model(chosen: str) -> Model:
+    """The network that sees animals: the one that is chosen where it does, else the first that was
+    added; KeypointError where there is none."""
+    for model in (find_model(chosen), *added_models()):
+        if model.of_animals:
+            return model
+    raise KeypointError(
+        "Drafts of an animal need a network of animals: add one trained on AP-10K by "
+        "`keypose models add NAME --from FILE --sha256 DIGEST --animals`."
+    )
 
 
 def note_damaged(name: str) -> KeypointError:

@@ -474,6 +474,7 @@ class _PeopleRun:
         seen_last = network.last_seen
         if seen_last is None or rows.lost_for:
             return replace(place, lost_for=rows.lost_for)
+        assert seen_last.mask is not None  # the networks that see people have one
         return place.moved_to(number, seen_last.next, seen_last.uv, seen_last.mask)
 
     def _report(self, frame: int) -> None:

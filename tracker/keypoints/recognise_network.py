@@ -14,10 +14,11 @@ from keypose.tracker.files import read_regular
 from keypose.tracker.keypoints.joint_kinds import KINDS, prepared
 from keypose.tracker.keypoints.joint_network import needs_onnx_runtime, open_heads
 from keypose.tracker.keypoints.known_person import seen_on_person
-from keypose.tracker.keypoints.layouts import LAYOUTS
+from keypose.tracker.keypoints.layouts import AP_10K, LAYOUTS
 from keypose.tracker.keypoints.mmdeploy import levels_of
 from keypose.tracker.keypoints.model_files import (
     LARGEST_BYTES,
+    OF_ANIMALS,
     JointHeads,
     JointKind,
     JointLayout,
@@ -40,13 +41,16 @@ _USUAL: Final = (256, 192)
 """Height and width of ViTPose's input where the file leaves them open."""
 
 
-def recognised(path: Path, source: str, pipeline: bytes | None = None) -> JointHeads:
+def recognised(
+    path: Path, source: str, pipeline: bytes | None = None, animals: bool = False
+) -> JointHeads:
     """What a network of joints is shown and answers with. It is run on a blank picture, on noise
     where both libraries are here, and on one of a person, by libraries that it may end: in a
     process of its own.
 
     path: of the ONNX file.  source: what it is called in a sentence.  pipeline: the
-    `pipeline.json` that lies beside it.
+    `pipeline.json` that lies beside it.  animals: whether it is said to see animals, of whom there
+    is no picture to show it.
     KeypointError in one sentence where it is no such network, or cannot be run here.
     """
     content = read_regular(path, LARGEST_BYTES)
@@ -59,10 +63,11 @@ def recognised(path: Path, source: str, pipeline: bytes | None = None) -> JointH
         levels = levels_of(pipeline, (heads.width, heads.height), source)
         heads = heads.model_copy(update={"levels": levels})
     runtime = open_heads(path.name, content, heads)
-    heads = _with_layout(heads, _run_blank(runtime, heads, source), content, source)
+    outputs = _run_blank(runtime, heads, source)
+    heads = _with_layout(heads, outputs, content, source, animals)
     if not heads.needs_fast and not KINDS[heads.kind].needs_fast and fast_is_here(ONNX):
         heads = heads.model_copy(update={"needs_fast": _differ_on_noise(path.name, content, heads)})
-    return seen_on_person(heads, runtime)
+    return heads if animals else seen_on_person(heads, runtime)
 
 
 def _run_blank(runtime: Runtime, heads: JointHeads, source: str) -> list[Tensor]:
@@ -74,7 +79,11 @@ def _run_blank(runtime: Runtime, heads: JointHeads, source: str) -> list[Tensor]
 
 
 def _with_layout(
-    heads: JointHeads, head_outputs: Sequence[Tensor], content: bytes, source: str
+    heads: JointHeads,
+    head_outputs: Sequence[Tensor],
+    content: bytes,
+    source: str,
+    animals: bool,
 ) -> JointHeads:
     """The same with the order of its joints, by how many there are."""
     shapes = [output.shape for output in head_outputs]
@@ -83,12 +92,19 @@ def _with_layout(
         inputs = read_signature(content).inputs
         outputs = dict(zip(heads.outputs, shapes, strict=True))
         raise _other(source, Signature(inputs, outputs))
-    layout = next((name for name in get_args(JointLayout) if len(LAYOUTS[name]) == count), None)
+    if animals and count != len(AP_10K):
+        raise KeypointError(
+            f"{source} is a network of {count} joints: of animals are read those with AP-10K's "
+            f"{len(AP_10K)}."
+        )
+    of_people = (name for name in get_args(JointLayout) if name in LAYOUTS)
+    layout = next((name for name in of_people if len(LAYOUTS[name]) == count), None)
+    layout = OF_ANIMALS if animals else layout
     if layout is None:
         subject = "a hand alone" if count == _OF_A_HAND else f"{count} joints"
         raise KeypointError(
             f"{source} is a network of {subject}: only those of a whole person are read, with 17 "
-            "(COCO), 26 (Halpe) or 133 joints (COCO-WholeBody)."
+            "(COCO), 26 (Halpe) or 133 joints (COCO-WholeBody), and of animals with AP-10K's 17."
         )
     return JointHeads.model_validate({**heads.model_dump(), "layout": layout})
 

@@ -59,6 +59,9 @@ ON_PART_BY_EYE_M = 0.012
 FACE_ON_PART_M = 0.05
 """Of where on its part a detector puts a joint: shown by keyframes, by keyframes that were posed by
 eye, whose own error is in it, and of a face, which the body's head does not have."""
+ANIMAL_KEYPOINT_SHARE: Final = 0.012
+"""Of a sure keypoint of an animal, a share of the animal's extent in the picture: animals of one
+kind differ more than people, and networks see them less exactly."""
 BY_HAND_SHARE: Final = 0.0025
 """Of a keypoint that a person set, as exact as a keyframe: a pixel of 400."""
 LEARNED_ON_PART_M = 0.019
@@ -116,6 +119,11 @@ DRAFTED = MotionSigma(np.radians(90.0), 2500.0)
 """Of a draft about its first pose, for what nothing else decides."""
 DRAFTED_ENDS = MotionSigma(np.radians(25.0), 1.0)
 """The same of head and feet, whose root does not move."""
+ANIMAL_REST_RAD = np.radians(35.0)
+ANIMAL_LEAN_RAD = np.radians(12.0)
+ANIMAL_HEADING_RAD = np.radians(90.0)
+"""Of an animal's legs and neck about the pose at rest, of its trunk about level, and of its heading
+about the one it was posed from."""
 ANYWHERE = MotionSigma(np.radians(180.0), 30.0)
 """Of a pose fitted to joints, for what they do not decide, the shift in metres."""
 LIFTED_LIMB_RAD = np.radians(14.0)

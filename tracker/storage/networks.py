@@ -65,10 +65,11 @@ def add_content(model: Model, content: bytes, source: str) -> Path:
     return model.path
 
 
-def add_own(name: str, path: Path, sha256: str | None) -> Model:
+def add_own(name: str, path: Path, sha256: str | None, *, animals: bool = False) -> Model:
     """Add a network of joints that a person has, from its ONNX file or a .zip of MMDeploy.
 
     sha256: of the file, by which they say that they trust it; nothing else is looked into.
+    animals: whether it sees animals, which its file's name may tell as well.
     KeypointError in one sentence when it is another file, or not a network that is read.
     """
     require_network_name(name)
@@ -83,13 +84,12 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
         raise KeypointError(
             f"{source} is another file or damaged: its SHA-256 is {digest}, not the one given."
         )
-    if _OF_ANIMALS in re.sub(r"[\W_]", "", path.name).lower():
-        raise KeypointError(f"{source} is a network of animals: only those of people are read.")
+    animals = animals or _OF_ANIMALS in re.sub(r"[\W_]", "", path.name).lower()
     pipeline = None
     if content.startswith(_ZIP):
         content, pipeline = _unzipped(content, source)
         digest = hashlib.sha256(content).hexdigest()
-    heads = _recognised(name, content, source, pipeline)
+    heads = _recognised(name, content, source, pipeline, animals)
     size_mb = round(len(content) / 1e6, 1)
     added = AddedNetwork(name=name, sha256=digest, size_mb=size_mb, heads=heads)
     place = added_file(name)
@@ -110,7 +110,9 @@ def add_own(name: str, path: Path, sha256: str | None) -> Model:
     return find_model(name)
 
 
-def _recognised(name: str, content: bytes, source: str, pipeline: bytes | None) -> JointHeads:
+def _recognised(
+    name: str, content: bytes, source: str, pipeline: bytes | None, animals: bool
+) -> JointHeads:
     """What a network is shown and answers with, as a process of its own finds of a copy that nobody
     else can change."""
     words = (
@@ -122,7 +124,7 @@ def _recognised(name: str, content: bytes, source: str, pipeline: bytes | None) 
     with Scratch("network") as folder:
         file = folder / f"{name}.onnx"
         write_file(file, content, private=True, error=KeypointError)
-        return read_apart(recognised, file, source, pipeline, terms=terms)
+        return read_apart(recognised, file, source, pipeline, animals, terms=terms)
 
 
 def remove_network(name: str) -> None:

@@ -58,12 +58,14 @@ def keep_seconds_a_frame(network: str, seconds: float) -> None:
 def known_or_measured(network: str) -> float:
     """Seconds a frame by the network of this name; measured and kept where nobody knows.
     KeypointError as of `open_detector`."""
-    from keypose.tracker.keypoints.detectors import open_detector  # loads what only this needs
+    from keypose.tracker.keypoints import detectors  # loads what only this needs
 
     kept_seconds = seconds_a_frame(network)
     if kept_seconds is not None:
         return kept_seconds
-    seconds = measured_seconds_a_frame(open_detector(find_model(network)))
+    model = find_model(network)
+    opened = detectors.open_animal_detector if model.of_animals else detectors.open_detector
+    seconds = measured_seconds_a_frame(opened(model))
     keep_seconds_a_frame(network, seconds)
     return seconds
 

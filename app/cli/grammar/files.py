@@ -197,6 +197,7 @@ _MODELS_EXAMPLES = """\
   keypose models add heavy
   keypose models add heavy --from pose-0.5.1675469404.tgz
   keypose models add my-rtmw --from rtmw-x.zip --sha256 DIGEST
+  keypose models add dogs --from rtmpose-m-ap10k.zip --sha256 DIGEST --animals
   keypose models remove my-rtmw
 """
 
@@ -206,8 +207,9 @@ def add_models(commands: Subcommands) -> None:
         "Without arguments, lists them. `add` downloads heavy or copies it from a file, or adds a "
         "network of a whole person's joints that you have under a name of your own: RTMPose, RTMW, "
         "RTMO, ViTPose or MoveNet as .onnx of at most 256 MB, or MMDeploy's .zip of one. It looks "
-        "beside BlazePose, which gives depth. What its weights may be used for, their publisher "
-        "says. `remove` removes an added one."
+        "beside BlazePose, which gives depth. One trained on AP-10K's 17 keypoints of animals "
+        "drafts a dog or a horse. What its weights may be used for, their publisher says. "
+        "`remove` removes an added one."
     )
     command = add_command(commands, "models", about, _MODELS_EXAMPLES)
     command.add_argument(
@@ -229,5 +231,10 @@ def add_models(commands: Subcommands) -> None:
         "--sha256",
         metavar="DIGEST",
         help="of your own file: by it you say that you trust it and no other",
+    )
+    command.add_argument(
+        "--animals",
+        action="store_true",
+        help="it finds AP-10K's keypoints of animals; default: where its file's name says ap10k",
     )
     add_json(command)

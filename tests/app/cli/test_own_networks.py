@@ -210,14 +210,16 @@ def test_whatever_else_is_one_sentence_and_leaves_nothing(
     assert not added_folder().exists()
 
 
-def test_a_network_of_animals_is_known_by_its_name_alone(
+def test_a_network_of_animals_with_other_joints_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "rtmpose-m_simcc-ap10k_pt-aic-coco_210e-256x256.onnx"
-    file.write_bytes(SIMCC)
-    digest = hashlib.sha256(SIMCC).hexdigest()
+    content = tiny.simcc(26)
+    file.write_bytes(content)
+    digest = hashlib.sha256(content).hexdigest()
     assert run("models", "add", "dogs", "--from", file, "--sha256", digest) == 2
-    assert "is a network of animals: only those of people are read." in capsys.readouterr().err
+    words = "is a network of 26 joints: of animals are read those with AP-10K's 17."
+    assert words in capsys.readouterr().err
     assert not added_folder().exists()
 
 

@@ -78,7 +78,7 @@ def _levels(count: int) -> Array:
     return np.eye(3, dtype=np.float32)[np.arange(count) % 3][:, :, None, None]
 
 
-def _between(cells: int, places: Array) -> Array:
+def between(cells: int, places: Array) -> Array:
     """(cells, places) weights of a cubic curve through the cells, at these places."""
     x = np.abs(np.arange(cells)[:, None] - places)
     near, far = 1.5 * x**3 - 2.5 * x**2 + 1, -0.5 * x**3 + 2.5 * x**2 - 4 * x + 2
@@ -102,7 +102,7 @@ def simcc(
     outputs = {}
     nodes += also
     for axis, side, over, name in (("x", width, 2, names[0]), ("y", height, 3, names[1])):
-        weights[f"to_{axis}"] = _between(side, np.arange(2 * side) / 2)
+        weights[f"to_{axis}"] = between(side, np.arange(2 * side) / 2)
         nodes.append(node("ReduceMax", ["seen"], axis, axes=[over], keepdims=0))
         nodes.append(node("MatMul", [axis, f"to_{axis}"], name))
         outputs[name] = (batch, count, 2 * side)
@@ -116,8 +116,8 @@ def maps(
     w, h = width // cells, height // cells
     weights = {
         "levels": _levels(count),
-        "rows": _between(height, np.linspace(0, height - 1, h)).T,
-        "columns": _between(width, np.linspace(0, width - 1, w)),
+        "rows": between(height, np.linspace(0, height - 1, h)).T,
+        "columns": between(width, np.linspace(0, width - 1, w)),
     }
     nodes = [
         node("Conv", ["image", "levels"], "seen"),

@@ -41,10 +41,10 @@ class Disc(CorneredSolid):
     def distance(self, p_part: Array) -> Array:
         """(N,) metres from points (N, 3) to the surface, negative inside; of an ellipse to first
         order."""
-        k, (y, aside) = self._axis, self._across
+        k, (y, across) = self._axis, self._across
         off, half = p_part - np.array(self.centre), self._half
-        radii = half[[y, aside]]
-        reach = np.linalg.norm(off[:, [y, aside]] / radii, axis=1)
+        radii = half[[y, across]]
+        reach = np.linalg.norm(off[:, [y, across]] / radii, axis=1)
         side, beyond = (reach - 1.0) * radii.mean(), np.abs(off[:, k]) - half[k]
         return distance_from_excess(np.stack([side, beyond], axis=1))
 
@@ -73,10 +73,10 @@ class Disc(CorneredSolid):
 
     def _rims(self, lift_m: float) -> Array:
         """(2, SIDES, 3) points around both flat sides."""
-        k, (y, aside) = self._axis, self._across
+        k, (y, across) = self._axis, self._across
         half = self._half + lift_m
-        around = ring(0.0, half[y], half[aside])
+        around = ring(0.0, half[y], half[across])
         rims = np.zeros((2, SIDES, 3))
-        rims[:, :, y], rims[:, :, aside] = around[:, 0], around[:, 2]
+        rims[:, :, y], rims[:, :, across] = around[:, 0], around[:, 2]
         rims[0, :, k], rims[1, :, k] = -half[k], half[k]
         return np.asarray(rims + np.array(self.centre))

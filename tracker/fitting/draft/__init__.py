@@ -1,5 +1,6 @@
 """Draft the poses of a whole clip from keypoints with depth, before anything is posed."""
 
+from keypose.tracker.fitting.draft.animal_clip import draft_animal
 from keypose.tracker.fitting.draft.clip import (
     ClipDraft,
     DraftProgress,
@@ -14,6 +15,7 @@ __all__ = [
     "ClipDraft",
     "DraftProgress",
     "Proposal",
+    "draft_animal",
     "draft_clip",
     "draft_from_keypoints",
     "draft_people",

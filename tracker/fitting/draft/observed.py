@@ -242,7 +242,7 @@ class Observed:
         usable = (visibility[:, : len(JOINTS)] >= SEEN).sum(axis=1) >= FEWEST_SEEN
         uv = np.where(is_known[..., None], uv, 0.0)
         usable = np.asarray(usable)
-        jumped = _jumped(uv, is_known, usable) | _begins(changes, keypoints.first_frame, usable)
+        jumped = jumps(uv, is_known, usable) | _begins(changes, keypoints.first_frame, usable)
         sigma_m = _sigmas_m(keypoints)
         return cls(keypoints.first_frame, uv, is_known, visibility, p_hips, usable, jumped, sigma_m)
 
@@ -336,7 +336,7 @@ def _begins(frames: Collection[int], first: int, usable: NDArray[np.bool_]) -> N
     return out
 
 
-def _jumped(uv: Array, is_known: NDArray[np.bool_], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def jumps(uv: Array, is_known: NDArray[np.bool_], usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(N,) whether the joints are elsewhere than in the usable frame before."""
     out = np.zeros(len(uv), np.bool_)
     rows = np.flatnonzero(usable)
