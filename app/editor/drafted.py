@@ -68,9 +68,7 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
         animal_model(doc.settings.network_used)
     elif len(points_on_body(body, JOINTS).indices) < len(JOINTS):
         bodies = listed([*PEOPLE, *ANIMALS])
-        raise ActionRefused(
-            f"Drafts need the body of a person or an animal: choose {bodies} first."
-        )
+        raise ActionRefused(f"Drafts need a person's or an animal's body: choose {bodies} first.")
     first, last = frames
     if not 0 <= first <= last < count:
         raise ActionRefused(

@@ -30,7 +30,7 @@ from keypose.app.jobs.progress import seconds_left
 from keypose.tracker.body.pose import joint_positions, pose_transforms
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.detect import STRETCH, Seed, detect
+from keypose.tracker.keypoints.detect import ANIMAL, PERSON, STRETCH, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.on_body import is_persons
@@ -184,7 +184,8 @@ def drafted_people(
 
     require_apart(boxes, at)
     if is_animals(session.subject.body):
-        return _drafted_animals(session, video, at, boxes, frames, report, cancelled)
+        reporter = DraftReporter(report, cancelled)
+        return _drafted_animals(session, video, at, boxes, frames, proportions, reporter)
     detected = _Detected.at_box(at)
 
     def picture(number: int) -> NDArray[np.uint8] | None:
@@ -249,8 +250,8 @@ def _drafted_animals(
     at: int,
     boxes: Sequence[Box],
     frames: tuple[int, int],
+    proportions: bool,
     report: Callable[[DraftProgress], None],
-    cancelled: Callable[[], bool],
 ) -> list[Drafted]:
     """The drafts of animals in boxes on one frame, each followed by itself; Cancelled wherever it
     was left."""
@@ -273,9 +274,10 @@ def _drafted_animals(
             session.view.camera,
             session.subject.body,
             network,
+            proportions=proportions,
             up_world=session.world.up_world,
             path=session.camera_path,
-            report=DraftReporter(report, cancelled),
+            report=report,
         )
         for box in boxes
     ]
@@ -350,9 +352,10 @@ class DraftClip(Fit):
 
     def work(self, session: Session, context: Context) -> list[Drafted]:
         began = time.monotonic()
+        noun = (ANIMAL if is_animals(session.subject.body) else PERSON).noun
 
         def report(progress: DraftProgress) -> None:
-            share, words = progress_of(progress)
+            share, words = progress_of(progress, noun)
             left = seconds_left(time.monotonic() - began, share)
             context.report(share, words, seconds_left=left)
 
@@ -426,7 +429,10 @@ class DraftClip(Fit):
 
 
 def boxes_beside(edit: EditorState, frame: int) -> tuple[Box, ...]:
-    """Around the people that are posed at a frame already, but the one that is posed."""
+    """Around the people that are posed at a frame already, but the one that is posed: none where
+    that is an animal, which a network of animals takes for no person."""
+    if is_animals(edit.doc.subject.body):
+        return ()
     boxes = []
     for body in edit.doc.bodies:
         if body.id == edit.doc.subject.id or not is_persons(body.body):
@@ -463,12 +469,12 @@ def taken_and_left(
     return [frame for frame in asked if start <= frame <= end], rest
 
 
-def progress_of(progress: DraftProgress) -> tuple[float, str]:
-    """The share and words. The network takes most of the time."""
+def progress_of(progress: DraftProgress, noun: str = PERSON.noun) -> tuple[float, str]:
+    """The share and words. The network takes most of the time. noun: who is looked for."""
     share = progress.done / max(progress.expected, 1)
     if progress.stage == "keypoints":  # at frames from before and from after them, some twice
         digits = 0 if progress.expected <= PERCENT_OF_FRAMES else 1
-        return NETWORK_SHARE * share, f"Looking for the person: {100 * share:.{digits}f} %"
+        return NETWORK_SHARE * share, f"Looking for the {noun}: {100 * share:.{digits}f} %"
     words = f"Posing: {progress.done} of {progress.expected} frames"
     return NETWORK_SHARE + (1 - NETWORK_SHARE) * share, words
 

@@ -11,11 +11,26 @@ import { frame, placesToConfirm } from './playhead.js';
 export const SMALL_PX = 60;
 
 /** Why this body cannot be drafted, or ''. */
-export const whyNotDraftable = () => (server.body?.is_persons ? '' : 'Needs a person’s body');
+export function whyNotDraftable() {
+  if (server.body?.is_persons) return '';
+  if (!server.body?.is_animals) return 'Needs the body of a person, a dog or a horse';
+  return animalNetwork() ? '' : `Needs a network of animals, added by ${ADDING_ANIMALS}`;
+}
+
+const ADDING_ANIMALS = '“keypose models add NAME --from FILE --sha256 DIGEST --animals”';
+
+/** The network that drafts an animal: the chosen one, else the first that was added. */
+function animalNetwork() {
+  const all = server.networks?.filter((network) => network.of_animals) ?? [];
+  return all.find(({ chosen }) => chosen) ?? all[0];
+}
+
+/** Whom the box is around: "the person" or "the animal". */
+export const whom = () => (server.body?.is_animals ? 'the animal' : 'the person');
 
 export const whyNotDrawBox = () => (isSurface() ? 'Drafts are made from a video' : whyNotDraftable());
 
-export const whyNotDraft = () => whyNotDrafting() || (ui.box ? whyNotHere() : 'Draw a box around the person first');
+export const whyNotDraft = () => whyNotDrafting() || (ui.box ? whyNotHere() : `Draw a box around ${whom()} first`);
 
 function whyNotDrafting() {
   const { state, kind } = server.job ?? {};
@@ -61,8 +76,10 @@ export function draftLabel() {
 
 /** "Takes about 4 minutes.", where it takes long and this computer's pace is known; else ''. */
 export function draftTimeWords(frames = draftCount()) {
-  const pace = server.networks?.find(({ chosen }) => chosen)?.frame_s ?? 0;
+  const network = server.body?.is_animals ? animalNetwork() : server.networks?.find(({ chosen }) => chosen);
+  const pace = network?.frame_s ?? 0;
   const words = aboutTime(frames * pace);
+  if (words && server.body?.is_animals) return `Takes ${words}.`;
   return words && `Takes ${words}. Cancel keeps what is found by then.`;
 }
 
@@ -96,7 +113,9 @@ export const whyNotDraftAll = (many) => whyNotDrafting() || (many > 1 ? whyNotHe
 /** What to say of a box around somebody small, or ''. */
 export function smallWords() {
   const height = ui.box ? Math.round(ui.box[3] - ui.box[1]) : SMALL_PX;
-  return height < SMALL_PX ? `The person is small here (${height} px). Choose a nearer frame if there is one.` : '';
+  return height < SMALL_PX
+    ? `${capital(whom())} is small here (${height} px). Choose a nearer frame if there is one.`
+    : '';
 }
 
 /** @type {Record<string, (parts: string) => string>} */
@@ -114,8 +133,10 @@ const REASONS = {
 /** "Right forearm hidden": why a place should be confirmed. */
 export function reasonOf({ reason, parts }) {
   const words = REASONS[reason]?.(partWords(parts)) ?? '';
-  return words.charAt(0).toUpperCase() + words.slice(1);
+  return capital(words);
 }
+
+const capital = (words) => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** Several are named by the first of them. */
 function partWords(parts) {
@@ -154,7 +175,8 @@ export function nobodyWords() {
     .filter((run) => named.includes(run))
     .map(([first, last]) => (first === last ? `${first}` : range(first, last)));
   const isOne = runs.length === 1 && length(runs[0]) === 0;
-  return `No person found in ${isOne ? 'frame' : 'frames'} ${listed(frames, runs.length - frames.length)}.`;
+  const noun = server.body?.is_animals ? 'animal' : 'person';
+  return `No ${noun} found in ${isOne ? 'frame' : 'frames'} ${listed(frames, runs.length - frames.length)}.`;
 }
 
 /** "The person may change at 96 and 140.": where two people cross; or ''. */

@@ -32,7 +32,10 @@ export function mountPeople() {
 const here = () => `${server.file?.path} ${frame()}`;
 
 /** Whether people may be proposed: a box is to be drawn, and none is. */
-const isOpen = () => Boolean(server.file) && ui.tool === 'box' && !ui.box && !ui.playing && !whyNotDrawBox();
+const isOpen = () =>
+  Boolean(server.file) && ui.tool === 'box' && !ui.box && !ui.playing && isPersons() && !whyNotDrawBox();
+
+const isPersons = () => !server.body?.is_animals;
 
 const isKnown = () => server.people?.frame === frame();
 

@@ -14,6 +14,7 @@ import {
   restCount,
   setDraftRange,
   smallWords,
+  whom,
   whyNotDraftable,
 } from '../actions/drafting.js';
 import { button } from '../controls/fields.js';
@@ -25,16 +26,19 @@ import { drawingButton, fact, line, section } from './section.js';
 
 export function draft() {
   const why = whyNotDraftable();
-  if (why) return section('Draft', html`<p class="note">${why}. Choose one in the Body tab.</p>`);
+  if (why) {
+    const remedy = server.body?.is_animals ? '.' : '. Choose one in the Body tab.';
+    return section('Draft', html`<p class="note">${why}${remedy}</p>`);
+  }
   return section(
     'Draft',
-    html`<p class="note">Finds the person in every frame and poses the body there. Runs on this computer only.</p>
+    html`<p class="note">Finds ${whom()} in every frame and poses the body there. Runs on this computer only.</p>
     ${line('Frames', frames())}
     ${drawingButton('box', {
       name: 'crop',
       label: 'Draw a box',
-      busy: 'Drag a box around the person',
-      title: 'Show which person: drag a box around them, in any frame that shows the whole body',
+      busy: `Drag a box around ${whom()}`,
+      title: `Show where ${whom()} is: drag a box around them, in any frame that shows the whole body`,
     })}
     ${ui.tool === 'box' ? begun() : html`${rest()}${nobody()}${places()}`}`,
   );
@@ -108,7 +112,8 @@ function places() {
 /** While the box is drawn: what it is of, and what comes next. */
 function begun() {
   const small = smallWords();
-  return html`${fact('Person', ui.box ? `${sizeWords(ui.box)} px` : 'no box yet', 'Width and height of the box')}
+  const label = server.body?.is_animals ? 'Animal' : 'Person';
+  return html`${fact(label, ui.box ? `${sizeWords(ui.box)} px` : 'no box yet', 'Width and height of the box')}
     ${small ? html`<p class="note warned">${icon('warn')}<span>${small}</span></p>` : nothing}
     ${button({
       name: 'wand',

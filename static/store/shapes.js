@@ -158,6 +158,7 @@
  * @property {boolean | null} clavicles  Whether shoulders move on the chest; null: a body without.
  * @property {number} height_cm
  * @property {boolean} is_persons  Whether keypoints of a person can be compared with it.
+ * @property {boolean} is_animals  Whether those of an animal can.
  * @property {number} dof_count
  * @property {number} dof_total
  * @property {{ name: string, label: string, kind: 'adult' | 'child' | 'animal' | 'object' }[]} presets
@@ -438,6 +439,7 @@
  * @property {string} label
  * @property {number} mb
  * @property {boolean} chosen
+ * @property {boolean} of_animals  Whether it drafts a dog or a horse, in place of people.
  * @property {string} remedy  The command that adds it, or ''.
  * @property {number | null} frame_s  Seconds that a frame of a draft takes; null where nobody knows.
  */

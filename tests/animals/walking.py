@@ -45,10 +45,12 @@ class Walk:
     heading_deg: float = 90.0
     turn_deg: float = 0.0
     frames: int = 48
+    sized: Body | None = None
+    """The animal, where it is not as large as the shelf's."""
 
     @property
     def body(self) -> Body:
-        return preset(self.name)
+        return preset(self.name) if self.sized is None else self.sized
 
     @property
     def skeleton(self) -> Skeleton:
@@ -88,9 +90,9 @@ class Walk:
         Rs[0] = exp_rotation(np.array([0.0, heading, 0.0])) @ leans
         return Rs
 
-    def points(self, motion: Trajectory) -> Array:
-        """(N, 17, 3) the keypoints in the camera's frame, metres."""
-        skeleton = self.skeleton
+    def points(self, motion: Trajectory, body: Body | None = None) -> Array:
+        """(N, 17, 3) the keypoints in the camera's frame, metres, of it or of another body."""
+        skeleton = self.skeleton if body is None else Skeleton.of(body)
         return animal_points(skeleton).at(motion.transforms(skeleton))
 
     def keypoints(self, share: float = 0.0, seed: int = 0) -> Keypoints:
@@ -149,16 +151,18 @@ def with_sides_swapped(keypoints: Keypoints, frames: range, words: tuple[str, ..
     return replace(keypoints, uv=uv)
 
 
-def error_share(walk: Walk, poses: dict[int, Pose]) -> float:
-    """By how much keypoints are off in space beside their middle: a mean, as a share of the trunk's
-    length."""
+def error_share(walk: Walk, poses: dict[int, Pose], body: Body | None = None) -> float:
+    """By how much keypoints of drafts are off in space beside their middle: a mean, as a share of
+    the trunk's length. Of a body of its own it is as large as fits best, which nothing tells."""
     motion, frames = walk.motion(), sorted(poses)
     expected = walk.points(motion)[frames]
     R = np.stack([poses[frame].Rs_parent_part for frame in frames])
     t = np.stack([poses[frame].p_camera_root for frame in frames])
-    found = walk.points(Trajectory(frames[0], R, t))
-    away = (found - found.mean(axis=1, keepdims=True)) - (
-        expected - expected.mean(axis=1, keepdims=True)
-    )
+    drafted = walk.points(Trajectory(frames[0], R, t), body)
+    drafted -= drafted.mean(axis=1, keepdims=True)
+    about = expected - expected.mean(axis=1, keepdims=True)
+    if body is not None:
+        drafted *= (drafted * about).sum() / (drafted**2).sum()
+    away = drafted - about
     trunk = np.linalg.norm(expected[0, 3] - expected[0, 4])
     return float(np.linalg.norm(away, axis=-1).mean() / trunk)

@@ -112,6 +112,27 @@ test('a box is asked for in the middle of a gap, or where somebody was seen last
   assert.equal(at([0, 49], [70, 71]), 49);
 });
 
+test('an animal is drafted by a network of animals, which has to be added', () => {
+  const person = { id: 'thunder', chosen: true, of_animals: false, frame_s: 0.1 };
+  const animals = { id: 'paws', chosen: false, of_animals: true, frame_s: 2 };
+  Object.assign(server, { job: null, file: { frames: 100 }, view: { frame: 30 }, draft: null });
+  ui.box = null;
+  for (const [body, networks, words] of /** @type {[object, object[], string][]} */ ([
+    [{ is_persons: true, is_animals: false }, [person], 'Draw a box around the person first'],
+    [{ is_persons: false, is_animals: true }, [person, animals], 'Draw a box around the animal first'],
+    [{ is_persons: false, is_animals: false }, [person, animals], 'Needs the body of a person, a dog or a horse'],
+  ])) {
+    Object.assign(server, { body, networks });
+    assert.equal(whyNotDraft(), words);
+  }
+  Object.assign(server, { body: { is_animals: true }, networks: [person] });
+  assert.match(whyNotDraft(), /^Needs a network of animals, added by “keypose models add NAME .* --animals”$/);
+  server.networks = [person, animals];
+  assert.match(draftTimeWords(100), /^Takes about 3 minutes\.$/);
+  server.body = { is_persons: true };
+  server.networks = [person];
+});
+
 test('a draft is of the frames that were chosen, and its box lies on one of them', () => {
   server.file = { frames: 100 };
   setDraftRange(20, 400);

@@ -124,6 +124,8 @@ ANIMAL_LEAN_RAD = np.radians(12.0)
 ANIMAL_HEADING_RAD = np.radians(90.0)
 """Of an animal's legs and neck about the pose at rest, of its trunk about level, and of its heading
 about the one it was posed from."""
+ANIMAL_SIZE_SHARE: Final = 0.2
+"""Of an animal's leg, neck or head beside its trunk, a share of the size that the shelf's has."""
 ANYWHERE = MotionSigma(np.radians(180.0), 30.0)
 """Of a pose fitted to joints, for what they do not decide, the shift in metres."""
 LIFTED_LIMB_RAD = np.radians(14.0)

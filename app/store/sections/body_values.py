@@ -19,6 +19,7 @@ from keypose.tracker.body.modify import can_have_clavicles, has_clavicles, heigh
 from keypose.tracker.body.pose import joint_names, joint_positions, pose_transforms
 from keypose.tracker.body.preset_names import ADULTS, ANIMALS, CHILDREN, OBJECTS, PRESETS
 from keypose.tracker.body.shapes import KINDS
+from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.keyframe import PartKeyframe
 from keypose.tracker.storage.results import listed, residual
@@ -41,6 +42,7 @@ def body(app_state: AppState) -> Json:
         "clavicles": _clavicles(present_body),
         "height_cm": round(100 * height(present_body), 2),
         "is_persons": is_persons(present_body),
+        "is_animals": is_animals(present_body),
         "dof_count": sum(len(part.tracked) for part in present_body.parts),
         "dof_total": 3 + 3 * len(present_body.parts),
         "presets": [

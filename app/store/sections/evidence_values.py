@@ -94,6 +94,7 @@ def networks(app_state: AppState) -> Json:
             "label": network_label(model),
             "mb": model.size_mb,
             "chosen": model.name == chosen,
+            "of_animals": model.of_animals,
             "remedy": "" if is_here else adding(model),
             "frame_s": frame_s and frame_s / (2 if model.skips_frames_at(fps) else 1),
         }
@@ -101,12 +102,14 @@ def networks(app_state: AppState) -> Json:
     ]
     if not any(each["chosen"] for each in choices):
         unknown = {"id": chosen, "label": chosen, "mb": 0.0, "chosen": True, "frame_s": None}
-        choices.append({**unknown, "remedy": adding_own(chosen)})
+        choices.append({**unknown, "of_animals": False, "remedy": adding_own(chosen)})
     return choices
 
 
 def network_label(model: Model) -> str:
     """What a choice of network is called."""
+    if model.of_animals:
+        return f"{model.name} (animals)"
     if model.heads is None:
         return f"BlazePose {model.name}"
     return f"{_CALLED.get(model.name, model.name)} + BlazePose"

@@ -13,6 +13,7 @@ import {
   whyNotDraft,
   whyNotDraftAll,
   whyNotDraftRest,
+  whom,
   whyNotDrawBox,
 } from '../drafting.js';
 import { peopleHere } from '../people.js';
@@ -193,12 +194,12 @@ export const TRACK = {
   },
   drawBox: {
     also: 'detect person automatic pose estimation draft another other person actor',
-    label: 'Draw a box around the person',
+    label: () => `Draw a box around ${whom()}`,
     icon: 'crop',
     keys: ['B'],
     row: 'Draft from a box',
     off: whyNotDrawBox,
-    title: 'Show which person to find: poses for every frame are drafted from it',
+    title: () => `Show where ${whom()} is: poses for every frame are drafted from it`,
     run: () => setUi('tool', 'box'),
   },
   draft: {
@@ -206,8 +207,7 @@ export const TRACK = {
     label: draftLabel,
     icon: 'wand',
     off: whyNotDraft,
-    title: () =>
-      ['Find the person in every frame and pose the body there', draftTimeWords()].filter(Boolean).join('. '),
+    title: () => [`Find ${whom()} in every frame and pose the body there`, draftTimeWords()].filter(Boolean).join('. '),
     message: draftMessage,
   },
   draftAll: {

@@ -50,7 +50,7 @@ def test_a_walking_animal_is_drafted_from_the_side(name: str, tmp_path: Path) ->
     skeleton = Skeleton.of(session.subject.body)
     poses = {each.frame: each.pose(skeleton) for each in session.subject.drafts}
     assert len(poses) == walk.frames
-    assert error_share(walk, poses) < 0.06
+    assert error_share(walk, poses, session.subject.body) < 0.06
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from keypose.tracker.body.body import Body
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import KeypointError
+from keypose.tracker.fitting.draft.animal_sizes import with_animal_proportions
 from keypose.tracker.fitting.draft.animals import AnimalFit, animal_points
 from keypose.tracker.fitting.draft.clip import ClipDraft, DraftProgress
 from keypose.tracker.fitting.draft.judged import NEAREST_M, POOR, JudgedDrafts
@@ -50,6 +51,7 @@ def draft_animal(
     body: Body,
     network: Detector,
     *,
+    proportions: bool = True,
     up_world: ArrayLike | None = None,
     path: CameraPath | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
@@ -64,7 +66,13 @@ def draft_animal(
 
     keypoints = detect(frame, frames, [seed], network, report=looked, subject=ANIMAL)
     return draft_from_animal_keypoints(
-        keypoints, camera, body, up_world=up_world, path=path, report=report
+        keypoints,
+        camera,
+        body,
+        proportions=proportions,
+        up_world=up_world,
+        path=path,
+        report=report,
     )
 
 
@@ -73,12 +81,14 @@ def draft_from_animal_keypoints(
     camera: Camera,
     body: Body,
     *,
+    proportions: bool = True,
     up_world: ArrayLike | None = None,
     path: CameraPath | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
 ) -> ClipDraft:
     """Drafts from keypoints in the picture; KeypointError where they show no animal well enough.
 
+    proportions: whether the body's parts may be sized to the animal's.
     up_world: (3,) what is up, where it is known.  path: of a camera that moves.
     """
     keypoints = Keypoints(keypoints.first_frame, ANIMAL_POINTS, keypoints.uv, keypoints.visibility)
@@ -88,14 +98,22 @@ def draft_from_animal_keypoints(
     observed, ideal = _observed(steadied, camera), camera.without_distortion()
     up = _ups(observed, up_world, path)
     expected = int(observed.usable.sum())
+    runs = observed.runs()
+
+    def fit_of(rows: slice) -> AnimalFit:
+        return AnimalFit.of(Skeleton.of(body), ideal, observed.rows(rows), up[rows])
+
+    if proportions and runs:
+        longest = max(runs, key=lambda rows: rows.stop - rows.start)
+        step = partial(report, DraftProgress("poses", 0, expected))
+        sized = with_animal_proportions(*fit_of(longest).solved(step))
+        body = _with_tail(sized, body)
     pieces: list[tuple[Observed, Trajectory]] = []
-    for rows in observed.runs():
+    for rows in runs:
         done = sum(len(run) for run, _ in pieces)
-        run = observed.rows(rows)
-        fit = AnimalFit.of(Skeleton.of(body), ideal, run, up[rows])
         step = partial(report, DraftProgress("poses", min(done, expected), expected))
-        motion = fit.solve(step)
-        pieces.append((run, motion))
+        fit, motion = fit_of(rows).solved(step)
+        pieces.append((fit.observed, motion))
     report(DraftProgress("poses", expected, expected))
     return _draft(body, ideal, keypoints, pieces)
 
@@ -127,6 +145,15 @@ def _ups(observed: Observed, up_world: ArrayLike | None, path: CameraPath | None
     first = observed.first_frame
     R = path.Ts_camera_world[first : first + len(observed), :3, :3]
     return np.asarray(R @ np.asarray(up_world, dtype=np.float64))
+
+
+def _with_tail(sized: Body, body: Body) -> Body:
+    """A body that was sized, free to move as it was."""
+    parts = (
+        part.model_copy(update={"tracked": before.tracked})
+        for part, before in zip(sized.parts, body.parts, strict=True)
+    )
+    return sized.replaced(parts)
 
 
 def _draft(

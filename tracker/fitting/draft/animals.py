@@ -10,10 +10,12 @@ together from there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from keypose.tracker.body.joint_limits import Limits
 from keypose.tracker.body.skeleton import Skeleton
@@ -21,8 +23,9 @@ from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.fitting.draft.observed import Observed, unit
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, exp_rotation
+from keypose.tracker.keypoints.keypoints import other_side
 from keypose.tracker.keypoints.on_animal import ANIMAL_POINTS, points_on_animal
-from keypose.tracker.solver.least_squares import USUAL
+from keypose.tracker.solver.least_squares import EXACT, USUAL
 from keypose.tracker.solver.motion_problem import EVERY, MotionProblem
 from keypose.tracker.solver.pose_terms import JointLimits, PointsInPicture, PosePrior
 from keypose.tracker.solver.posed import BodyPoints, Posed
@@ -52,6 +55,26 @@ NEAREST_START_M: Final = 0.5
 """No start is nearer to the camera."""
 UNSEEN: Final = "tail"
 """A part of which nothing is seen but where it begins."""
+Ends: TypeAlias = tuple[str, ...]
+AS_THEY_ARE: Final[Ends] = ()
+BOTH_ENDS: Final[Ends] = ("front", "hind")
+EXCHANGED: Final[tuple[Ends, ...]] = (AS_THEY_ARE, ("front",), ("hind",), BOTH_ENDS)
+"""Where left and right may be exchanged in a frame: a network does so of the whole animal, or of
+the legs at one end."""
+EXCHANGE_COST: Final = 3.0
+"""Of either, as half the square of a deviation."""
+_OF_END: Final = {
+    "front": tuple(
+        k
+        for k, name in enumerate(ANIMAL_POINTS)
+        if name.split("_", 1)[-1] in ("eye", "shoulder", "elbow", "front_paw")
+    ),
+    "hind": tuple(
+        k
+        for k, name in enumerate(ANIMAL_POINTS)
+        if name.split("_", 1)[-1] in ("hip", "knee", "back_paw")
+    ),
+}
 _TRUNK: Final = tuple(ANIMAL_POINTS.index(name) for name in ("neck", "tail_root"))
 
 
@@ -59,11 +82,10 @@ _TRUNK: Final = tuple(ANIMAL_POINTS.index(name) for name in ("neck", "tail_root"
 class AnimalFit:
     """What the poses of N consecutive frames are fitted with.
 
-    skeleton: whose tail does not move.  points: K on it.  up (N, 3): in the camera's axes.
+    skeleton: whose tail does not move.  up (N, 3): in the camera's axes.
     """
 
     skeleton: Skeleton
-    points: BodyPoints
     camera: Camera
     observed: Observed
     up: Array
@@ -77,21 +99,81 @@ class AnimalFit:
         )
         still = Skeleton.of(body.replaced(parts))
         up = np.broadcast_to(unit(np.asarray(up, dtype=np.float64)), (len(observed), 3))
-        return cls(still, animal_points(still), camera, observed, up)
+        return cls(still, camera, observed, up)
 
-    def solve(self, step: Callable[[], None] = lambda: None) -> Trajectory:
-        """The motion nearest to all. step: called again and again; what it raises ends the work."""
+    @cached_property
+    def points(self) -> BodyPoints:
+        """K of them on the body."""
+        return animal_points(self.skeleton)
+
+    def of_rows(self, rows: list[int]) -> AnimalFit:
+        """The same of some of the frames."""
+        observed = replace(
+            self.observed,
+            first_frame=0,
+            uv=self.observed.uv[rows],
+            known=self.observed.known[rows],
+            visibility=self.observed.visibility[rows],
+            p_hips=self.observed.p_hips[rows],
+            usable=self.observed.usable[rows],
+            jumped=self.observed.jumped[rows],
+            depth_sigma_m=self.observed.depth_sigma_m[rows],
+        )
+        return replace(self, observed=observed, up=self.up[rows])
+
+    def posed_anew(self, start: Trajectory) -> tuple[Trajectory, Array]:
+        """Every frame posed by itself from a start, and all that it deviates by, in units of σ."""
+        motion = self._problem(start, Huber()).solve(start, EXACT)
+        uv = image_points(self.camera, self.points.at(motion.transforms(self.skeleton)))
+        missed = (uv - self.observed.uv) * self._scale[..., None]
+        weight = np.sqrt(Huber().weight(np.linalg.norm(missed, axis=-1)))
+        prior = self._prior(motion)
+        posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
+        turned = np.sqrt(prior.precision) * prior.away(posed)
+        return motion, np.concatenate([(missed * weight[..., None]).ravel(), turned.ravel()])
+
+    def solved(self, step: Callable[[], None] = lambda: None) -> tuple[AnimalFit, Trajectory]:
+        """The motion nearest to all, with what it was fitted to: left and right are exchanged where
+        a network exchanged them.
+
+        step: called again and again; what it raises ends the work.
+        """
 
         def cancelled() -> bool:
             step()
             return False
 
-        candidates = [self._alone(2 * np.pi * k / HEADINGS, cancelled) for k in range(HEADINGS)]
-        return self._together(self._followed(candidates), cancelled)
+        headings = [self._at_rest(2 * np.pi * k / HEADINGS) for k in range(HEADINGS)]
+        starts = [(start, ends) for start in headings for ends in (AS_THEY_ARE, BOTH_ENDS)]
+        fit, motion = self._with_sides(starts, cancelled)
+        motion = fit._together(motion, cancelled)
+        sided, again = fit._with_sides([(motion, ends) for ends in EXCHANGED], cancelled)
+        if sided is fit:
+            return fit, motion
+        return sided, sided._together(again, cancelled)
 
-    def _alone(self, heading: float, cancelled: Callable[[], bool]) -> Trajectory:
-        """Every frame by itself, from one heading."""
-        start = self._at_rest(heading)
+    def _with_sides(
+        self, starts: Sequence[tuple[Trajectory, Ends]], cancelled: Callable[[], bool]
+    ) -> tuple[AnimalFit, Trajectory]:
+        """The way through the poses that all frames have by themselves, from several starts, each
+        with left and right exchanged at some ends; and what they were fitted to."""
+        variants = [replace(self, observed=_exchanged(self.observed, ends)) for _, ends in starts]
+        candidates = [
+            variant._alone(start, cancelled)
+            for variant, (start, _) in zip(variants, starts, strict=True)
+        ]
+        costs = [
+            variant._costs(candidate) + EXCHANGE_COST * len(ends)
+            for variant, candidate, (_, ends) in zip(variants, candidates, starts, strict=True)
+        ]
+        chosen = self._way(candidates, np.stack(costs, axis=1))
+        motion = chosen_of(candidates, chosen)
+        if not any(starts[k][1] for k in chosen.tolist()):
+            return self, motion
+        return replace(self, observed=_observed_of(variants, chosen)), motion
+
+    def _alone(self, start: Trajectory, cancelled: Callable[[], bool]) -> Trajectory:
+        """Every frame by itself, from a start."""
         return self._problem(start, Huber()).solve(start, USUAL, cancelled)
 
     def _together(self, motion: Trajectory, cancelled: Callable[[], bool]) -> Trajectory:
@@ -99,9 +181,8 @@ class AnimalFit:
         pixel_m = float(np.median(motion.ps_camera_root[:, 2])) / self.camera.fy
         precision = BEND.precision(self.skeleton, pixel_m)
         even = Smoothness.even(self.skeleton, len(self.observed), precision)
-        for kernel in (Huber(), Cauchy()):
-            motion = self._problem(motion, kernel, (even,)).solve(motion, USUAL, cancelled)
-        return motion
+        motion = self._problem(motion, Huber(), (even,)).solve(motion, USUAL, cancelled)
+        return self._problem(motion, Cauchy(), (even,)).solve(motion, USUAL, cancelled)
 
     def _problem(
         self, start: Trajectory, kernel: Kernel, links: Sequence[Link] = ()
@@ -173,17 +254,11 @@ class AnimalFit:
         rest[:, 0] = _level(self.up, motion.Rs_parent_part[:, 0, :, 2])
         return rest
 
-    def _followed(self, candidates: Sequence[Trajectory]) -> Trajectory:
-        """Of every frame the pose of one of the candidates: the way through all that costs least
-        (Viterbi)."""
-        costs = np.stack([self._costs(motion) for motion in candidates], axis=1)
+    def _way(self, candidates: Sequence[Trajectory], costs: Array) -> NDArray[np.int64]:
+        """(N,) of every frame one of the candidates: the way through all that costs least."""
         p = np.stack([self._about_root(motion) for motion in candidates], axis=1)
         step = FOLLOWS * np.linalg.norm(np.subtract(*p[0, 0, list(_TRUNK)]))
-        chosen = cheapest_way(costs, p / step)
-        rows = np.arange(len(costs))
-        R = np.stack([motion.Rs_parent_part for motion in candidates])[chosen, rows]
-        t = np.stack([motion.ps_camera_root for motion in candidates])[chosen, rows]
-        return Trajectory(self.observed.first_frame, R, t)
+        return cheapest_way(costs, p / step)
 
     def _about_root(self, motion: Trajectory) -> Array:
         """(N, K, 3)"""
@@ -199,6 +274,39 @@ class AnimalFit:
         return np.asarray(Huber().loss(away).sum(axis=1) + turned.sum(axis=1)) / 2
 
 
+def chosen_of(motions: Sequence[Trajectory], chosen: NDArray[np.int64]) -> Trajectory:
+    """Of every frame the pose of one of several motions."""
+    rows = np.arange(len(chosen))
+    R = np.stack([motion.Rs_parent_part for motion in motions])[chosen, rows]
+    t = np.stack([motion.ps_camera_root for motion in motions])[chosen, rows]
+    return Trajectory(motions[0].first_frame, R, t)
+
+
+def _observed_of(variants: Sequence[AnimalFit], chosen: NDArray[np.int64]) -> Observed:
+    """Of every frame what one of several has."""
+    rows = np.arange(len(chosen))
+    return replace(
+        variants[0].observed,
+        uv=np.stack([variant.observed.uv for variant in variants])[chosen, rows],
+        known=np.stack([variant.observed.known for variant in variants])[chosen, rows],
+        visibility=np.stack([variant.observed.visibility for variant in variants])[chosen, rows],
+    )
+
+
+def _exchanged(observed: Observed, ends: Ends) -> Observed:
+    """Left and right exchanged at the front, behind, or both."""
+    order = np.arange(len(ANIMAL_POINTS))
+    for end in ends:
+        for k in _OF_END[end]:
+            order[k] = ANIMAL_POINTS.index(other_side(ANIMAL_POINTS[k], ANIMAL_POINTS))
+    return replace(
+        observed,
+        uv=observed.uv[:, order],
+        known=observed.known[:, order],
+        visibility=observed.visibility[:, order],
+    )
+
+
 def animal_points(skeleton: Skeleton) -> BodyPoints:
     """`ANIMAL_POINTS` on an animal's body."""
     _, parts, places = points_on_animal(skeleton.body)
@@ -206,7 +314,7 @@ def animal_points(skeleton: Skeleton) -> BodyPoints:
     return BodyPoints(skeleton, tuple(((part, (x, y, z)),) for part, (x, y, z) in located))
 
 
-def cheapest_way(costs: Array, places: Array) -> Array:
+def cheapest_way(costs: Array, places: Array) -> NDArray[np.int64]:
     """(N,) which of C candidates each of N frames takes so that all cost least.
 
     costs (N, C): of each.  places (N, C, K, 3): of points, in units of how far they usually move.
