@@ -37,8 +37,8 @@ def found_person_words(people_in_film: PeopleInFilm) -> str:
     return f"{words} Smaller people were left out (frame{plural} {frames})."
 
 
-def assumed_words(height_cm: float | None, lens_mm: float | None) -> str:
-    """Say how tall the person is taken to be, and through which lens they are taken to be filmed,
+def assumed_words(height_cm: float | None, lens_mm: float | None, subject: str = "person") -> str:
+    """Say how tall the subject is taken to be, and through which lens they are taken to be filmed,
     with how to say otherwise; empty where both are known. Depth and lengths rest on them.
 
     height_cm, lens_mm: None where somebody said it.
@@ -48,7 +48,7 @@ def assumed_words(height_cm: float | None, lens_mm: float | None) -> str:
         taken.append(f"{height_cm:.0f} cm tall (--height says otherwise)")
     if lens_mm is not None:
         taken.append(f"filmed through a lens of {lens_mm:.0f} mm on 35 mm film (--lens)")
-    return f"The person is taken to be {' and '.join(taken)}." if taken else ""
+    return f"The {subject} is taken to be {' and '.join(taken)}." if taken else ""
 
 
 def several_words(people_in_film: PeopleInFilm) -> str:

@@ -5,7 +5,7 @@
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
 import { perform, whyNot } from '../actions/actions.js';
-import { runToDraft, setDraftRange, smallWords } from '../actions/drafting.js';
+import { runToDraft, setDraftRange, smallWords, whom } from '../actions/drafting.js';
 import { peopleHere, peopleWords, personAt, personMeant, takePerson } from '../actions/people.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
 import { keepsKey } from '../controls/focus.js';
@@ -61,7 +61,7 @@ export const box = {
   /** In the guide its card says it, beside the picture. */
   words() {
     if (Number.isInteger(ui.guideStep) && ui.guidePath === 'film') return '';
-    if (!ui.box) return peopleWords() || 'Drag a box around the person, from head to toes.';
+    if (!ui.box) return peopleWords() || `Drag a box around ${whom()}, from head to toes.`;
     return smallWords() || 'Press Enter to draft. Drag the edges to correct the box.';
   },
   /** On a grip, inside, or where a new box begins. */

@@ -56,6 +56,7 @@ from keypose.tracker.body.modify import height
 from keypose.tracker.errors import KeypointError, KeyposeError, SessionError
 from keypose.tracker.files import read_own
 from keypose.tracker.fitting.draft import DraftProgress
+from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.region import Box
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import FrameIndex
@@ -253,7 +254,8 @@ def _assumed(film: FilmToDraft, session: Session) -> str:
     """What depth and lengths rest on that nobody said."""
     body, camera = session.subject.body, session.view.camera
     height_cm = 100 * height(body) if film.order.height_cm is None else None
-    return assumed_words(height_cm, camera.focal_mm if session.view.lens_is_guess else None)
+    lens_mm = camera.focal_mm if session.view.lens_is_guess else None
+    return assumed_words(height_cm, lens_mm, body.name if is_animals(body) else "person")
 
 
 def _with_camera(
