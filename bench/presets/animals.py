@@ -17,14 +17,13 @@ GIVE = 10
 RANGES: dict[str, Limits] = {
     "neck": {"x": (-40, 125), "y": (-60, 60), "z": (-45, 45)},
     "head": {"x": (-60, 60), "y": (-45, 45), "z": (-30, 30)},
-    "tail": {"x": (-30, 150), "y": (-GIVE, GIVE), "z": (-80, 80)},
     "front_upper_leg": {"x": (-70, 60), "y": (-GIVE, GIVE), "z": (-SIDEWAYS, SIDEWAYS)},
     "front_lower_leg": {"x": (-110, 60), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
     "hind_upper_leg": {"x": (-80, 55), "y": (-GIVE, GIVE), "z": (-SIDEWAYS, SIDEWAYS)},
     "hind_lower_leg": {"x": (-40, 110), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
 }
-"""Estimates: angles from legs that stand straight down. The lower part of a front leg has elbow
-and wrist in one, which bend opposite ways, that of a hind leg knee and hock."""
+"""Estimates: angles from legs that stand straight down; a tail goes anywhere. The lower part of a
+front leg has elbow and wrist in one, which bend opposite ways, that of a hind leg knee and hock."""
 
 
 @dataclass(frozen=True)

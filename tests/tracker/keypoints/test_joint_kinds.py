@@ -17,7 +17,7 @@ from keypose.tracker.keypoints import joint_network
 from keypose.tracker.keypoints.joint_kinds import KINDS
 from keypose.tracker.keypoints.joint_network import JointNetwork
 from keypose.tracker.keypoints.layouts import LAYOUTS
-from keypose.tracker.keypoints.model_files import LARGEST_BYTES, JointLayout, Model
+from keypose.tracker.keypoints.model_files import LARGEST_BYTES, OF_ANIMALS, JointLayout, Model
 from keypose.tracker.keypoints.recognise_network import recognised
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.keypoints.runtimes import ONNX, fast_is_here
@@ -64,13 +64,13 @@ def spots(places: NDArray[np.float64], sigma_px: float = 5.0) -> NDArray[np.uint
 def test_every_layout_of_networks_is_tried_and_known_by_how_many_joints_it_has(
     tmp_path: Path,
 ) -> None:
-    layouts = get_args(JointLayout)
+    layouts = [layout for layout in get_args(JointLayout) if layout != OF_ANIMALS]
     assert {layout for _, _, layout in TINY.values()} == set(layouts)
     counts = {len(LAYOUTS[layout]) for layout in layouts}
     assert len(counts) == len(layouts)
     with pytest.raises(KeypointError) as refused:
         added(tmp_path, tiny.maps(68))
-    sentence = str(refused.value).partition("with ")[2]
+    sentence = str(refused.value).partition("with ")[2].partition("animals")[0]
     assert set(map(int, re.findall(r"\d+", sentence))) == counts
 
 
