@@ -15,6 +15,7 @@ from keypose.app.cli.outcome import locked_place, track_and_save
 from keypose.app.jobs.find_camera import find_saved, found_words, is_camera_wanted, with_found
 from keypose.app.jobs.rerun import require_trackable, with_settings
 from keypose.app.orders.tracking import FilmTaken, TrackOrder, said
+from keypose.app.words.bonds import keyed_apart_sentences
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
@@ -69,6 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
         about = about_one(session, arguments)
         asked = asked.about(about.subject.id)
         return track_ahead_and_save(about, asked, session.subject.id, arguments)
+    for words in keyed_apart_sentences(session):
+        note(words)
     codes = []
     for name in bodies:
         _announce(session.about(name), session, arguments.json)

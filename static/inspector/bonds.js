@@ -53,10 +53,10 @@ function choice(part) {
 
 /** @param {Bond} bond */
 function bondRow(bond, part) {
-  const { index, first, last, moves, apart_cm: apart, worst } = bond;
+  const { index, first, last, moves, apart_cm: apart } = bond;
   const other = otherEnd(bond, part);
   const change = (fields) => ({ do: 'change_bond', index, ...fields });
-  const words = apart > APART_CM ? `${apart.toFixed(1)} cm apart at frame ${worst} until it is tracked` : '';
+  const words = apart > APART_CM ? apartWords(bond) : '';
   return html`<div class="row pinrow">
       <button type="button" class="row name" title=${`Go to frame ${first}`} @click=${() => goTo(first)}>
         <span class="cut">${other.name} · ${other.label}</span>
@@ -81,6 +81,12 @@ function bondRow(bond, part) {
       }),
     )}
     ${words ? html`<p class="note">${words}.</p>` : nothing}`;
+}
+
+/** @param {Bond} bond */
+function apartWords({ apart_cm: apart, worst, keyed }) {
+  const words = `${apart.toFixed(1)} cm apart at frame ${worst}`;
+  return keyed ? `${words}, where both are keyed: pose them together there` : `${words} until it is tracked`;
 }
 
 const end = (label, value, act) =>

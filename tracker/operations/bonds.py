@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.geometry.rotations import Array, apply_transform
@@ -15,6 +18,8 @@ from keypose.tracker.session.bonds import Bond, BondEnd
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.pinned import HeldPoint
 
+APART_M: Final = 0.005
+"""Points of a bond that are keyed farther apart do not meet."""
 NEAREST_FRAMES = 1e-6
 """From a keyframe: what is at it does not give way, unless the other does not either."""
 
@@ -50,6 +55,33 @@ def meeting_places(session: Session, bond: Bond, motions: Mapping[str, Trajector
     free = [_frames_from_keyframes(bodies[end.body], frames) for end in bond.ends]
     share = (free[0] / (free[0] + free[1]))[:, None]
     return np.asarray(holder + share * (held - holder))
+
+
+def keyed_apart(session: Session, bond: Bond) -> tuple[int, float] | None:
+    """The frame, of those at which both bodies of a bond have an exact keyframe, at which its
+    points are farthest apart, and how far, metres: they stay so. None where there is no such frame.
+    """
+    bodies = {body.id: body for body in session.bodies}
+    keyframes = [
+        {each.frame: each for each in bodies[end.body].keyframes if not each.soft}
+        for end in bond.ends
+    ]
+    skeletons = [Skeleton.of(bodies[end.body].body) for end in bond.ends]
+    apart = {}
+    for frame in sorted(keyframes[0].keys() & keyframes[1].keys()):
+        if bond.first_frame <= frame <= bond.last_frame:
+            points = [
+                _placed(own[frame].pose(skeleton), skeleton, end)
+                for own, skeleton, end in zip(keyframes, skeletons, bond.ends, strict=True)
+            ]
+            apart[frame] = float(np.linalg.norm(points[0] - points[1]))
+    return max(apart.items(), key=operator.itemgetter(1), default=None)
+
+
+def _placed(pose: Pose, skeleton: Skeleton, end: BondEnd) -> Array:
+    """(3,) an end in the camera frame."""
+    T = pose_transforms(skeleton, pose)[skeleton.body.index(end.part)]
+    return np.asarray(T[:3, :3] @ np.array(end.point_m) + T[:3, 3])
 
 
 def _at(body: TrackedBody, end: BondEnd, motion: Trajectory, frames: NDArray[np.int64]) -> Array:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from keypose.app.words.bonds import keyed_apart_sentences
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.body.trajectory import joined
 from keypose.tracker.errors import SessionError
@@ -116,6 +117,32 @@ def test_two_parts_of_one_body_meet_as_well() -> None:
     arm = Ts[SKELETON.body.index("right_arm"), :3, 3]
     without = Results().with_result(track(smooth(), 0, 4)).fitting(smooth())[0, 4].trajectory
     assert np.linalg.norm(tip(motion.pose(2)) - arm) < np.linalg.norm(tip(without.pose(2)) - arm)
+
+
+def with_keyframe_aside(session: Session, frame: int, **fields: object) -> Session:
+    """The second person keyed 4 cm aside at a frame."""
+    second = session.bodies[1]
+    moved = [
+        keyframe.model_copy(
+            update={"root_m": (keyframe.root_m[0] + 0.04, *keyframe.root_m[1:]), **fields}
+        )
+        if keyframe.frame == frame
+        else keyframe
+        for keyframe in second.keyframes
+    ]
+    return session.with_body(second.model_copy(update={"keyframes": tuple(moved)}))
+
+
+def test_keyframes_that_keep_what_should_meet_apart_are_said() -> None:
+    assert keyed_apart_sentences(shaking(SHAKE)) == []
+    apart = with_keyframe_aside(shaking(SHAKE), 4)
+    assert keyed_apart_sentences(apart) == [
+        "body:left_hand and body-2:left_hand are 4.0 cm apart at frame 4, where both are keyed: "
+        "pose them together there."
+    ]
+    assert keyed_apart_sentences(with_keyframe_aside(shaking(SHAKE), 4, soft="depth")) == []
+    later = SHAKE.model_copy(update={"first_frame": 5})
+    assert keyed_apart_sentences(with_keyframe_aside(shaking(later), 4)) == []
 
 
 def test_a_bond_to_a_body_that_is_not_tracked_there_waits_until_it_is() -> None:
