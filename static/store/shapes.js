@@ -564,7 +564,7 @@
  * @property {string} colour
  * @property {number[]} keys  Frames of its keyframes.
  * @property {{ name: string, label: string }[]} parts
- * @property {number[]} places  Frames of a draft to confirm.
+ * @property {number[]} places  Frames of a draft to confirm; of the posed body `draft` has them.
  * @property {{ first: number, last: number, state: string }[]} segments
  * @property {'good' | 'check' | 'lost' | null} worst  The verdict on its worst segment.
  * @property {number} open  How many of its segments have no verdict.

@@ -15,26 +15,30 @@ from keypose.tracker.session.verdict import worst_of
 
 def bodies(app_state: AppState) -> Json:
     """Every body: what it is called, its keyframes and segments, the verdict on the worst of these,
-    how many have none, and the places of a draft to confirm."""
+    how many have none; and the places of a draft to confirm, of those that are not posed."""
     edit = app_state.edit
     if edit is None:
         return []
     doc = edit.settled
-    names = body_names(doc)
+    names, posed = body_names(doc), edit.doc.subject.id
     return [
         {
             "id": body.id,
             "name": names[body.id],
             "called": body.called,
-            "posed": body.id == edit.doc.subject.id,
+            "posed": body.id == posed,
             "colour": _hex(place),
             "keys": [keyframe.frame for keyframe in body.keyframes],
             "parts": [{"name": name, "label": part_label(name)} for name in body.body.names],
-            "places": [place.frame for place in places_to_confirm(edit.about(body.id))],
+            "places": [] if body.id == posed else _places(edit.about(body.id)),
             **_tracked(edit.about(body.id)),
         }
         for place, body in enumerate(doc.bodies)
     ]
+
+
+def _places(alone: EditorState) -> list[int]:
+    return [place.frame for place in places_to_confirm(alone)]
 
 
 def _tracked(alone: EditorState) -> dict[str, Json]:
