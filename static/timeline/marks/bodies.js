@@ -5,10 +5,11 @@ import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { perform } from '../../actions/actions.js';
 import { bondsWith, otherEnd, ownEnd } from '../../actions/bonds.js';
 import { leftToDo } from '../../actions/bodies.js';
+import { menuItem } from '../../actions/buttons.js';
 import { bodyEntries } from '../../actions/context_menus.js';
 import { goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
 import { Stroke } from '../../controls/gesture.js';
-import { openMenuAt } from '../../controls/menu.js';
+import { heading, openMenuAt } from '../../controls/menu.js';
 import { count, range } from '../../controls/words.js';
 import { bodiesBeside, bodyNamed } from '../../store/bodies.js';
 import { clampFrame } from '../../store/clip.js';
@@ -37,6 +38,15 @@ export const bodiesHeight = () => bodiesBeside().length * ROW;
 export const bond = {
   kind: 'bond',
   row: 'bodies',
+  layers: [
+    {
+      group: 'frames',
+      z: 45,
+      from: () => [server.bodies, server.bonds, held('bond')],
+      draw: ({ rows }) =>
+        rows.bodies ? bodiesBeside().map((body, at) => drawBonds(body, topOf(rows.bodies, at))) : nothing,
+    },
+  ],
   hit(place, { rows }) {
     const { body, y } = rowAt(rows.bodies, place);
     if (!body || place.x < GUTTER || y < BOND.y - 2) return null;
@@ -69,6 +79,16 @@ export const bond = {
     select(ownEnd(one).part);
     goTo(one.first);
   },
+  menu({ index }, { page }) {
+    const one = bondNumbered(index);
+    if (one) {
+      openMenuAt(
+        'Hold',
+        [heading(`${bondWords(one)} · ${range(one.first, one.last)}`), menuItem('letGo', index)],
+        page,
+      );
+    }
+  },
   tip: ({ index }, rows) => drawBondWords(bondNumbered(index), rows),
   drag: ({ index }, rows) => drawBondWords(bondNumbered(index), rows),
 };
@@ -81,7 +101,7 @@ export const bodyRow = {
     {
       group: 'frames',
       z: 44,
-      from: () => [server.bodies, server.bonds, held('bond')],
+      from: () => [server.bodies],
       draw: ({ rows }) =>
         rows.bodies ? bodiesBeside().map((body, at) => drawRow(body, topOf(rows.bodies, at))) : nothing,
     },
@@ -138,12 +158,16 @@ const bondNumbered = (index) => (server.bonds ?? []).find((one) => one.index ===
 /** @param {Bond} one @returns {'first' | 'last'} */
 const endAt = ({ first, last }, px) => (Math.abs(px - x(first)) < Math.abs(px - x(last)) ? 'first' : 'last');
 
-/** "Left hand, Racket · Grip 20–48" @param {Bond | undefined} one */
+/** "Left hand meets Racket · Grip" @param {Bond} one */
+function bondWords(one) {
+  const [own, other] = [ownEnd(one), otherEnd(one)];
+  return `${own.label} meets ${other.name} · ${other.label}`;
+}
+
+/** That, over which frames, on a plate. @param {Bond | undefined} one */
 function drawBondWords(one, rows) {
   if (!one || !rows.bodies) return nothing;
-  const [own, other] = [ownEnd(one), otherEnd(one)];
-  const words = `${own.label} meets ${other.name} · ${other.label}`;
-  return plate(words, (x(one.first) + x(one.last)) / 2, below(rows), ` ${range(one.first, one.last)}`);
+  return plate(bondWords(one), (x(one.first) + x(one.last)) / 2, below(rows), ` ${range(one.first, one.last)}`);
 }
 
 /** @param {BodyOfScene} body */
@@ -154,7 +178,7 @@ function drawRow(body, top) {
     ${seenOf(body.segments).map((one) => drawSegment(one, middle))}
     ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${RING} />`)}
     ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, KEY)} />`)}
-    ${seenOf(bondsWith(body.id)).map((one) => drawBond(one, top))}</g>`;
+  </g>`;
 }
 
 function drawSegment({ first, last, state }, middle) {
@@ -162,6 +186,9 @@ function drawSegment({ first, last, state }, middle) {
   return svg`<rect class="bodybar ${kind}" x=${x(first)} y=${middle - BAR / 2} height=${BAR}
     width=${Math.max(1, x(last) - x(first))} />`;
 }
+
+/** @param {BodyOfScene} body */
+const drawBonds = ({ id }, top) => seenOf(bondsWith(id)).map((one) => drawBond(one, top));
 
 /** @param {Bond} one */
 const drawBond = ({ first, last }, top) => svg`<rect class="bond" x=${x(first - 0.3)} y=${top + BOND.y} rx="1.5"
