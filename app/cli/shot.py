@@ -35,8 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     _require_size(session, order)
     poses = _poses(session, arguments.session, arguments.frame, order)
     if not alone:
-        beside = KnownPoses.of(session, arguments.session, alone=False).beside
-        poses = replace(poses, beside=beside)
+        poses = replace(poses, beside=KnownPoses.others(session, arguments.session))
     content = _content(session, poses, order, arguments)
     write_file(out, content, overwrite=arguments.overwrite)
     print_written([out], arguments.json)

@@ -11,7 +11,7 @@ from pydantic import Field
 from keypose.app.editor.bodies import require_body
 from keypose.app.editor.documents import ActionRefused, valid
 from keypose.app.editor.message import Edit
-from keypose.app.editor.shown import shown_pose
+from keypose.app.editor.shown import end_at, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
 from keypose.app.posing.labels import number_text
@@ -179,13 +179,8 @@ def _end(state: EditorState, body_id: str, part: str, frame: int, p_camera: Arra
 
 
 def apart_m(state: EditorState, bond: Bond, frame: int) -> float:
-    """How far the two points of a bond are from each onto as they are shown at a frame."""
-    points = []
-    for end in bond.ends:
-        about = state.about(end.body)
-        T = pose_transforms(about.skeleton, shown_pose(about, frame).pose)
-        T = T[about.doc.subject.body.index(end.part)]
-        points.append(T[:3, :3] @ np.array(end.point_m) + T[:3, 3])
+    """How far the two points of a bond are from each other as they are shown at a frame."""
+    points = [end_at(state.about(end.body), end, frame) for end in bond.ends]
     return float(np.linalg.norm(points[0] - points[1]))
 
 

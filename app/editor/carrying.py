@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from keypose.app.editor.posing import with_pose
-from keypose.app.editor.shown import draft_at, find, part_at, shown_pose
+from keypose.app.editor.shown import draft_at, end_at, find, part_at, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.posing.carrying import moved, placed, reached
 from keypose.tracker.body.pose import Pose
@@ -83,7 +83,7 @@ def _with_body_carried(
 
 def _travel(before: EditorState, after: EditorState, end: BondEnd) -> tuple[Array, float]:
     """How a part of the posed body was moved, (4, 4) in the camera frame, and its point, metres."""
-    T_before, T_after = (_T_camera_part(state, end) for state in (before, after))
+    T_before, T_after = (part_at(state, end.part, state.frame) for state in (before, after))
     p_before, p_after = (placed(T, np.array(end.point_m)) for T in (T_before, T_after))
     return T_after @ np.linalg.inv(T_before), float(np.linalg.norm(p_after - p_before))
 
@@ -94,25 +94,17 @@ def _carried(about: EditorState, end: BondEnd, T: Array) -> Pose | None:
     pose = shown_pose(about).pose
     if not is_persons(about.doc.subject.body):
         return moved(pose, T)
-    place = placed(T, _p_camera(about, end))
+    place = placed(T, end_at(about, end, about.frame))
     return reached(about.skeleton, pose, end.part, np.array(end.point_m), place)
 
 
 def _with_end_reaching(before: EditorState, after: EditorState, bond: Bond) -> EditorState:
     """With an end of the posed body as near to the other body as it was before the edit."""
-    own, beside = _ends(bond, after.doc)
-    gap = _p_camera(before, own) - _p_camera(before.about(beside.body), beside)
-    place = _p_camera(after.about(beside.body), beside) + gap
+    (own, beside), frame = _ends(bond, after.doc), after.frame
+    gap = end_at(before, own, frame) - end_at(before.about(beside.body), beside, frame)
+    place = end_at(after.about(beside.body), beside, frame) + gap
     pose = shown_pose(after).pose
-    if float(np.linalg.norm(place - _p_camera(after, own))) < _SAME_M:
+    if float(np.linalg.norm(place - end_at(after, own, frame))) < _SAME_M:
         return after
     pose_reaching = reached(after.skeleton, pose, own.part, np.array(own.point_m), place)
     return after if pose_reaching is None else after.with_doc(with_pose(after, pose_reaching))
-
-
-def _T_camera_part(state: EditorState, end: BondEnd) -> Array:
-    return part_at(state, end.part, state.frame)
-
-
-def _p_camera(state: EditorState, end: BondEnd) -> Array:
-    return placed(_T_camera_part(state, end), np.array(end.point_m))

@@ -10,10 +10,13 @@ import numpy as np
 
 from keypose.app.editor.documents import ActionRefused, Posed
 from keypose.app.editor.state import EditorState
+from keypose.app.posing.carrying import placed
+from keypose.tracker.body.body import Body
 from keypose.tracker.body.pose import Pose, pose_transforms
 from keypose.tracker.geometry.rotations import Array, rotation_between
 from keypose.tracker.review.places import drafts_to_confirm
 from keypose.tracker.session.annotations import DraftPlace
+from keypose.tracker.session.bonds import BondEnd
 from keypose.tracker.session.keyframe import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
@@ -137,6 +140,16 @@ def transforms_beside(state: EditorState) -> dict[str, Array]:
     }
 
 
+def bodies_beside(state: EditorState) -> list[tuple[int, Body, Array]]:
+    """Each body that is not posed: its place among all, itself, and `transforms_beside`."""
+    Ts_of_body = transforms_beside(state)
+    return [
+        (place, body.body, Ts_of_body[body.id])
+        for place, body in enumerate(state.doc.bodies)
+        if body.id in Ts_of_body
+    ]
+
+
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
     """The one at this frame."""
     return next((pose for pose in poses if pose.frame == frame), None)
@@ -154,6 +167,11 @@ def part_at(state: EditorState, part: str, frame: int) -> Array:
     """(4, 4) where a part is shown at a frame, camera frame."""
     Ts = pose_transforms(state.skeleton, shown_pose(state, frame).pose)
     return np.asarray(Ts[state.doc.subject.body.index(part)])
+
+
+def end_at(state: EditorState, end: BondEnd, frame: int) -> Array:
+    """(3,) where an end of a bond on the posed body is shown at a frame, camera frame."""
+    return placed(part_at(state, end.part, frame), np.array(end.point_m))
 
 
 def _from_neighbours(state: EditorState, frame: int) -> ShownPose:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
@@ -190,10 +191,7 @@ def drafted_people(
 
     def picture(number: int) -> NDArray[np.uint8] | None:
         detected.add(number)
-        try:
-            return video.frame(number)
-        except MissingFrame:
-            return None
+        return _frame(video, number)
 
     name, camera = session.settings.network_used, session.view.camera
     model = find_model(name)
@@ -258,17 +256,11 @@ def _drafted_animals(
     from keypose.tracker.fitting.draft import draft_animal  # loads what only this needs
     from keypose.tracker.keypoints.detectors import open_animal_detector
 
-    def picture(number: int) -> NDArray[np.uint8] | None:
-        try:
-            return video.frame(number)
-        except MissingFrame:
-            return None
-
     model = drafting_model(session)
     network, began = open_animal_detector(model), time.monotonic()
     drafts = [
         draft_animal(
-            picture,
+            partial(_frame, video),
             frames,
             Seed.of_box(at, box, session.view.camera.width, session.view.camera.height),
             session.view.camera,
@@ -284,6 +276,14 @@ def _drafted_animals(
     count = len(boxes) * (frames[1] - frames[0] + 1)
     keep_seconds_a_frame(model.name, (time.monotonic() - began) / count)
     return [Drafted(draft, network.fingerprint) for draft in drafts]
+
+
+def _frame(video: Video, number: int) -> NDArray[np.uint8] | None:
+    """A picture of the film; None where it has lost it."""
+    try:
+        return video.frame(number)
+    except MissingFrame:
+        return None
 
 
 def _outlined(draft: ClipDraft, session: Session) -> ClipDraft:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, Self
 
 from keypose.app.editor.documents import softened
 from keypose.app.jobs.find_up import SeenLines, seen_lines
@@ -108,32 +108,56 @@ def stood_together(
     stand finds; what became of each, and why others do not stand, by their ids. SessionError where
     nobody does; no file is written.
     """
+    abouts = [session.about(body_id) for body_id in body_ids]
+    results = {about.subject.id: _loaded(about, path) for about in abouts}
+
+    def stand_there(about: Session, *, tilts: bool) -> Standing:
+        return _standing(about, path, results[about.subject.id], cancelled, tilts=tilts)
+
+    fittings = {about.subject.id: results[about.subject.id].fitting(about) for about in abouts}
+    standing, refused = one_after_another(session, fittings, stand_there)
+    if not standing:
+        words = (after_id(words, body_id, session) for body_id, words in refused.items())
+        raise SessionError(" ".join(words))
+    bodies_stood = {
+        body_id: BodyStood(done, resolved(done.session, results[body_id], cancelled), place > 0)
+        for place, (body_id, done) in enumerate(standing.items())
+    }
+    whole = list(standing.values())[-1].session.about(session.subject.id)
+    return whole, bodies_stood, refused
+
+
+class _StandThere(Protocol):
+    """Stands a body, in a session about it; SessionError where it cannot stand."""
+
+    def __call__(self, about: Session, *, tilts: bool) -> Standing: ...
+
+
+def one_after_another(
+    session: Session, fittings: Mapping[str, Mapping[Span, SegmentResult]], stand_there: _StandThere
+) -> tuple[dict[str, Standing], dict[str, str]]:
+    """Bodies on one floor, that of the first to stand: each as it stands in a session in which
+    those before it do; and why others do not, by their ids.
+
+    fittings: what was tracked, by segment, by the body's id.
+    """
     from keypose.tracker.operations.stand import in_standing_order  # loads what only this needs
 
-    whole, standing, refused = session, dict[str, BodyStood](), dict[str, str]()
-    abouts = [session.about(body_id) for body_id in body_ids]
-    fittings = {about.subject.id: _loaded(about, path).fitting(about) for about in abouts}
+    standing: dict[str, Standing] = {}
+    refused: dict[str, str] = {}
+    whole = session
     for body_id in in_standing_order(session, fittings):
         about = whole.about(body_id)
         try:
             if standing:
-                results = _loaded(about, path)
-                stand_there = partial(
-                    _standing, path=path, results=results, cancelled=cancelled, tilts=False
-                )
-                done = stood_beside(about, whole.world, stand_there)
-                results = resolved(done.session, results, cancelled)
+                done = stood_beside(about, whole.world, partial(stand_there, tilts=False))
             else:
-                done, results = stood(about, path, _loaded(about, path), cancelled)
+                done = stand_there(about, tilts=True)
         except SessionError as error:
             refused[body_id] = str(error)
             continue
-        standing[body_id] = BodyStood(done, results, bool(standing))
-        whole = done.session.about(session.subject.id)
-    if not standing:
-        words = (after_id(words, body_id, session) for body_id, words in refused.items())
-        raise SessionError(" ".join(words))
-    return whole, standing, refused
+        standing[body_id], whole = done, done.session
+    return standing, refused
 
 
 def _loaded(session: Session, path: Path) -> Results:
@@ -190,8 +214,8 @@ class EachStood(NamedTuple):
 
 @dataclass(frozen=True)
 class StandOnFloor(Fit):
-    """fittings: what was tracked of each body, by segment, by the body's id, the one that is posed
-    first.  frame: the present one, whose lines are shown of a camera that moves."""
+    """fittings: what was tracked of each body, by segment, by the body's id.  frame: the present
+    one, whose lines are shown of a camera that moves."""
 
     fittings: Mapping[str, Mapping[Span, SegmentResult]] = field(
         default_factory=dict, compare=False
@@ -214,35 +238,16 @@ class StandOnFloor(Fit):
         return cls(*sent(opened, edit.doc), fittings, edit.frame)
 
     def work(self, session: Session, context: Context) -> EachStood:
-        from keypose.tracker.operations.stand import (  # loads what only this needs
-            in_standing_order,
-            stand,
-        )
+        from keypose.tracker.operations.stand import stand  # loads what only this needs
 
         video = context.cache.video(session, self.video_path)
         seen_upright = seen_lines(session, video, self.frame)
-        standing: dict[str, Standing] = {}
-        refused: dict[str, str] = {}
-        whole = session
-        for body_id in in_standing_order(session, self.fittings):
-            stand_there = partial(
-                stand,
-                fitting=self.fittings[body_id],
-                up_evidence=seen_upright.evidence,
-                cancelled=context.cancelled,
-                tilts=not standing,
-            )
-            about = whole.about(body_id)
-            try:
-                done = (
-                    stood_beside(about, whole.world, stand_there)
-                    if standing
-                    else stand_there(about)
-                )
-            except SessionError as error:
-                refused[body_id] = str(error)
-                continue
-            standing[body_id], whole = done, done.session
+
+        def stand_there(about: Session, *, tilts: bool) -> Standing:
+            fitting, evidence = self.fittings[about.subject.id], seen_upright.evidence
+            return stand(about, fitting, evidence, context.cancelled, tilts=tilts)
+
+        standing, refused = one_after_another(session, self.fittings, stand_there)
         if not standing:
             raise SessionError(next(iter(refused.values())))
         return EachStood(standing, refused, seen_upright)

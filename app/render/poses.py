@@ -34,14 +34,15 @@ class KnownPoses:
 
         alone: without the other bodies.
         """
-        beside = () if alone else cls._beside(session, session_path)
+        beside = () if alone else cls.others(session, session_path)
         skeleton = Skeleton.of(session.subject.body)
         keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.subject.keyframes}
         tracks = load_tracks(session, session_path) if session.subject.results else None
         return cls(skeleton, keys, tracks, beside)
 
     @classmethod
-    def _beside(cls, session: Session, session_path: Path) -> tuple[tuple[Colour, KnownPoses], ...]:
+    def others(cls, session: Session, session_path: Path) -> tuple[tuple[Colour, KnownPoses], ...]:
+        """Of the bodies that are not posed, each with its colour."""
         return tuple(
             (body_colour(place), cls.of(session.about(body.id), session_path))
             for place, body in enumerate(session.bodies)

@@ -8,7 +8,7 @@ import numpy as np
 
 from keypose.app.editor.documents import unchanged
 from keypose.app.editor.frames import views_of
-from keypose.app.editor.shown import ghost_transforms, ghosts, shown_pose, transforms_beside
+from keypose.app.editor.shown import bodies_beside, ghost_transforms, ghosts, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.render.palette import body_colour
 from keypose.app.scene.scene import BodyBeside, Scenery, Trail
@@ -86,10 +86,8 @@ def _ghosts(edit: EditorState) -> Ghosts:
 
 def _beside(edit: EditorState) -> tuple[BodyBeside, ...]:
     """The bodies that are not posed, each in its colour."""
-    places = {body.id: (place, body.body) for place, body in enumerate(edit.doc.bodies)}
     return tuple(
-        BodyBeside(places[body_id][1], Ts, body_colour(places[body_id][0]))
-        for body_id, Ts in transforms_beside(edit).items()
+        BodyBeside(body, Ts, body_colour(place)) for place, body, Ts in bodies_beside(edit)
     )
 
 

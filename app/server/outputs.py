@@ -20,7 +20,7 @@ from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.frames import pointer_views
 from keypose.app.editor.message import Message
 from keypose.app.editor.motion import feet_paths
-from keypose.app.editor.shown import shown_pose, transforms_beside
+from keypose.app.editor.shown import bodies_beside, shown_pose
 from keypose.app.editor.state import EditorState
 from keypose.app.export.motion_files import File, every_format, motion_archive
 from keypose.app.export.motion_formats import formats_of, require_meant
@@ -212,10 +212,9 @@ def _png(edit: EditorState, video: Video, frame: int, order: PicturesOrder) -> b
 
 def _figures_beside(edit: EditorState, frame: int) -> tuple[Figure, ...]:
     """The bodies that are not posed, each in its colour."""
-    places = {body.id: (place, body.body) for place, body in enumerate(edit.doc.bodies)}
     return tuple(
-        Figure(form_in(Skeleton.of(places[body_id][1]), body_colour(places[body_id][0])), Ts)
-        for body_id, Ts in transforms_beside(replace(edit, frame=frame)).items()
+        Figure(form_in(Skeleton.of(body), body_colour(place)), Ts)
+        for place, body, Ts in bodies_beside(replace(edit, frame=frame))
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from keypose.tracker.operations.bonds import APART_M, keyed_apart
+from keypose.tracker.operations.bonds import MEET_M, keyed_apart
 from keypose.tracker.session import Session
 from keypose.tracker.session.bonds import BondEnd
 
@@ -13,7 +13,7 @@ def keyed_apart_sentences(session: Session) -> list[str]:
     sentences = []
     for bond in session.bonds:
         place = keyed_apart(session, bond)
-        if place is not None and place[1] > APART_M:
+        if place is not None and place[1] > MEET_M:
             frame, metres = place
             first, second = (_named(end) for end in bond.ends)
             sentences.append(

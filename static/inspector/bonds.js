@@ -15,9 +15,6 @@ import { line, section } from './section.js';
 
 /** @typedef {import('../store/shapes.js').Bond} Bond */
 
-/** As far apart they do not meet. */
-const APART_CM = 0.5;
-
 export function bonds(part) {
   const list = bondsOf(part);
   if (bodies().length < 2 && !list.length) return nothing;
@@ -53,10 +50,10 @@ function choice(part) {
 
 /** @param {Bond} bond */
 function bondRow(bond, part) {
-  const { index, first, last, moves, apart_cm: apart } = bond;
+  const { index, first, last, moves, meet } = bond;
   const other = otherEnd(bond, part);
   const change = (fields) => ({ do: 'change_bond', index, ...fields });
-  const words = apart > APART_CM ? apartWords(bond) : '';
+  const words = meet ? '' : apartWords(bond);
   return html`<div class="row pinrow">
       <button type="button" class="row name" title=${`Go to frame ${first}`} @click=${() => goTo(first)}>
         <span class="cut">${other.name} · ${other.label}</span>

@@ -581,6 +581,7 @@
  * @property {'both' | 'holder' | 'held'} moves
  * @property {number} apart_cm  How far apart they are at most.
  * @property {number} worst  The frame at which they are.
+ * @property {boolean} meet  Whether that is no distance.
  * @property {boolean} keyed  Whether keyframes of both keep them so.
  */
 

@@ -18,8 +18,8 @@ from keypose.tracker.session.bonds import Bond, BondEnd
 from keypose.tracker.session.schema import Session
 from keypose.tracker.space.pinned import HeldPoint
 
-APART_M: Final = 0.005
-"""Points of a bond that are keyed farther apart do not meet."""
+MEET_M: Final = 0.005
+"""Points of a bond that are no farther apart meet."""
 NEAREST_FRAMES = 1e-6
 """From a keyframe: what is at it does not give way, unless the other does not either."""
 

@@ -58,6 +58,7 @@ from keypose.tracker.operations.seen_by import errors_in_films
 from keypose.tracker.review.places import review_of
 from keypose.tracker.session import Session
 from keypose.tracker.session.bodies import id_and_name
+from keypose.tracker.session.verdict import VERDICT_KINDS
 from keypose.tracker.storage.atomic import make_folder, write_file
 from keypose.tracker.storage.files import (
     load_session,
@@ -266,7 +267,7 @@ def _bodies_words(session_path: Path) -> tuple[str, ...]:
             continue
         segments = () if body.results is None else body.results.segments
         kinds = Counter(segment.verdict.kind for segment in segments)
-        counts = [f"{kinds[kind]} {kind}" for kind in ("good", "check", "lost") if kinds[kind]]
+        counts = [f"{kinds[kind]} {kind}" for kind in VERDICT_KINDS if kinds[kind]]
         words = (
             f"{listed(counts)} of {len(segments)} segment{'s' * (len(segments) > 1)}"
             if counts

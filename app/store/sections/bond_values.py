@@ -12,7 +12,7 @@ from keypose.app.posing import part_label
 from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json
 from keypose.app.words.bodies import body_names
-from keypose.tracker.operations.bonds import APART_M, keyed_apart
+from keypose.tracker.operations.bonds import MEET_M, keyed_apart
 from keypose.tracker.session.bonds import Bond, BondEnd
 
 MOST_FRAMES: Final = 60
@@ -50,13 +50,17 @@ def _end(end: BondEnd, names: dict[str, str]) -> Json:
 
 
 def _apart(edit: EditorState, bond: Bond) -> dict[str, Json]:
-    """How far apart its points are at most, as far as they are shown, and where; keyed: whether
-    keyframes of both keep them so."""
+    """How far apart its points are at most, as far as they are shown, and where; whether they meet
+    there, or keyframes of both keep them apart."""
     count = bond.last_frame - bond.first_frame + 1
     frames = np.linspace(bond.first_frame, bond.last_frame, min(count, MOST_FRAMES)).astype(int)
     keyed = keyed_apart(edit.settled, bond)
-    if keyed is not None and keyed[1] > APART_M:
-        return {"apart_cm": round(100 * keyed[1], 1), "worst": keyed[0], "keyed": True}
-    apart = [apart_m(edit, bond, int(frame)) for frame in frames]
-    worst = int(np.argmax(apart))
-    return {"apart_cm": round(100 * apart[worst], 1), "worst": int(frames[worst]), "keyed": False}
+    is_keyed = keyed is not None and keyed[1] > MEET_M
+    if keyed is not None and is_keyed:
+        worst, metres = keyed
+    else:
+        apart = [apart_m(edit, bond, int(frame)) for frame in frames]
+        worst, metres = int(frames[np.argmax(apart)]), max(apart)
+    apart_cm = round(100 * metres, 1)
+    is_met = apart_cm <= 100 * MEET_M
+    return {"apart_cm": apart_cm, "worst": worst, "meet": is_met, "keyed": is_keyed}

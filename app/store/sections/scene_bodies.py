@@ -10,7 +10,7 @@ from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json
 from keypose.app.store.sections.space_values import solids_of
 from keypose.app.words.bodies import body_names
-from keypose.tracker.session.verdict import worst_of
+from keypose.tracker.session.verdict import VERDICT_KINDS, worst_of
 
 
 def bodies(app_state: AppState) -> Json:
@@ -43,7 +43,7 @@ def _places(alone: EditorState) -> list[int]:
 
 def _tracked(alone: EditorState) -> dict[str, Json]:
     states = alone.results.states(alone.settled)
-    kinds = [kind for kind in states.values() if kind in ("good", "check", "lost")]
+    kinds = [kind for kind in states.values() if kind in VERDICT_KINDS]
     return {
         "segments": [
             {"first": first, "last": last, "state": state}
