@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
@@ -36,7 +36,8 @@ class Keypoints:
     visibility:  (N, L) from 0 to 1, how sure it is that the keypoint is seen; 0 where uv is NaN.
     p_hips:      (N, L, 3) metres, in axes parallel to the picture's (x right, y down, z away),
                  the middle of the hips at 0; NaN where unknown. None where no depth is known.
-    by_hand:     (N, L) which of them a person set. None where nobody did.
+    by_hand:     (N, L) where a person decides, not the detector: of those set or said to be unseen,
+                 and of those that another body covers. None where of none.
     depth_sigma_m: (N, L) standard deviation of p_hips along the view; NaN where that is unknown.
                  None where it is everywhere.
     masks:       N, where the person is in the picture; None in frames where that is unknown.
@@ -114,6 +115,21 @@ class Keypoints:
         return Keypoints(
             first, self.names, uv, visibility, depth, masks=tuple(masks) if any(masks) else None
         )
+
+    def without(self, frames: Collection[int]) -> Keypoints:
+        """Nothing seen in some frames."""
+        if not frames:
+            return self
+        rows = np.array(sorted(frames)) - self.first_frame
+        uv, visibility = self.uv.copy(), self.visibility.copy()
+        uv[rows], visibility[rows] = np.nan, 0.0
+        masks = self.masks and tuple(
+            None if n in frames else mask for n, mask in enumerate(self.masks, self.first_frame)
+        )
+        p_hips = None if self.p_hips is None else self.p_hips.copy()
+        if p_hips is not None:
+            p_hips[rows] = np.nan
+        return replace(self, uv=uv, visibility=visibility, p_hips=p_hips, masks=masks)
 
     def exchanged(self) -> Keypoints:
         """Exchange left and right, but for what a person set."""

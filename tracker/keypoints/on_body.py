@@ -15,6 +15,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS
 
+FACE: Final = ("nose", "left_ear", "right_ear")
 FEWEST: Final = 4
 """Joints with which a body, or what is seen of it, can be compared with keypoints."""
 OTHER_PERSON: Final = 0.10

@@ -18,6 +18,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.references import KeypointFile
 from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.cache import Detections
+from keypose.tracker.storage.covered_joints import covered_joints
 from keypose.tracker.storage.evidence import surfaces_of
 from keypose.tracker.storage.fingerprints import (
     background_turns,
@@ -136,10 +137,15 @@ def steadied(source: KeypointSource | None, steady: SteadyCamera | None) -> Keyp
 def keypoint_source(
     session: Session, video: Video, keypoints: Keypoints | None
 ) -> KeypointSource | None:
-    """Where keypoints come from, with a person's corrections; None if they do not count."""
+    """Where keypoints come from, with a person's corrections and without the joints that another
+    person lies over at keyframes; None if they do not count."""
     source = _found_keypoints(session, video, keypoints)
-    if source is not None and session.view.keypoint_corrections:
-        source = CorrectedKeypoints(source, session.view.keypoint_corrections)
+    corrections = (
+        *session.view.keypoint_corrections,
+        *covered_joints(session, session.subject.keyframes),
+    )
+    if source is not None and corrections:
+        source = CorrectedKeypoints(source, corrections)
     if source is None or not lifts_depth(session):
         return source
     return LiftedKeypoints(source, depth_lifter(session, video.info.times_s), keypoints)

@@ -77,7 +77,7 @@ def _extent(session: Session, body: TrackedBody, keyframes: Sequence[Keyframe]) 
 @lru_cache(maxsize=4096)
 def _extent_at(keyframe: ById, body: ById, lens: ById, zoom: float) -> Extent:
     """Cached: asked for after every edit, of every segment."""
-    skeleton, vertices = _shapes(body)
+    skeleton, vertices = skeleton_and_vertices(body)
     Ts = pose_transforms(skeleton, keyframe.it.pose(skeleton))
     p_camera = np.concatenate(
         [apply_transform(T, points) for T, points in zip(Ts, vertices, strict=True)]
@@ -88,6 +88,6 @@ def _extent_at(keyframe: ById, body: ById, lens: ById, zoom: float) -> Extent:
 
 
 @lru_cache(maxsize=32)
-def _shapes(body: ById) -> tuple[Skeleton, tuple[Array, ...]]:
+def skeleton_and_vertices(body: ById) -> tuple[Skeleton, tuple[Array, ...]]:
     """The body, and the corners of each part's shape in the part's frame."""
     return Skeleton.of(body.it), tuple(part.shape.mesh().vertices for part in body.it.parts)

@@ -34,6 +34,7 @@ from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEv
 from keypose.tracker.session.references import KEYPOINT_RUN
 from keypose.tracker.storage.bodies_before import keyframes_before
 from keypose.tracker.storage.by_id import ById
+from keypose.tracker.storage.covered_joints import covered_joints
 
 Span: TypeAlias = tuple[int, int]
 """First and last frame of a segment, as in Session.spans."""
@@ -132,7 +133,7 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
 def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
     """What counts within a segment: masks, corrected keypoints, an own motion, and where
     depth is lifted, which of its keyframes nobody posed."""
-    evidence = [*_masks_and_corrections(session, span), *_own_start(session, span)]
+    evidence = [*_masks_and_corrections(session, span, ends), *_own_start(session, span)]
     drafted = [end.frame for end in ends if end.drafted and lifts_depth(session)]
     evidence += [{"not_posed": drafted}] if drafted else []
     return [*evidence, *_steadied(session, span), *_bodies_before(session, span, ends)]
@@ -225,9 +226,10 @@ def _own_start(session: Session, span: Span) -> list[Any]:
     return [{"own": [run.first_frame, run.last_frame, run.digest]}]
 
 
-def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
+def _masks_and_corrections(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
     """The masks clipped to the segment; their other frames do not count. Where keypoints count,
-    also what a person said of them there, and where the person is looked for, what a draft saw."""
+    also what a person said of them there, which joints another person lies over at its ends, and
+    where the person is looked for, what a draft saw."""
     first, last = span
     within = [
         (max(first, mask.first_frame), min(last, mask.last_frame), mask.polygon)
@@ -239,7 +241,7 @@ def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
         return evidence
     corrected = [
         [each.frame, each.joint, each.uv]
-        for each in session.view.keypoint_corrections
+        for each in (*session.view.keypoint_corrections, *covered_joints(session, ends))
         if first <= each.frame <= last
     ]
     return [*evidence, {"keypoints": corrected}] if corrected else evidence

@@ -22,6 +22,7 @@ from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.lifted_depth import depth_along_view
 from keypose.tracker.keypoints.on_body import (
+    FACE,
     FEWEST,
     OTHER_PERSON,
     foot_ends,
@@ -49,7 +50,6 @@ from keypose.tracker.tracking.cues.sides import exchanged_sides
 from keypose.tracker.tracking.scene import Scene
 from keypose.tracker.tracking.segment import NEAREST_M, Segment
 
-FACE = ("nose", "left_ear", "right_ear")
 FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
 

@@ -92,7 +92,8 @@ def drafted_over(
     posed: poses of the body as it was filmed, by frame.  camera: of the video, with its distortion.
     path: of a camera that moves.
     together: whether the people around were followed as well: then who is unseen is hidden, and a
-    second look would see somebody else. One pose has to show that the keypoints are the body's.
+    second look would see somebody else. One pose has to show that the keypoints are the body's;
+    in frames where another pose lies beside them, they alone do not count.
     """
     keypoints = drafted.over(*frames)
     on_body = points_on_body(skeleton.body, keypoints.names)
@@ -103,11 +104,17 @@ def drafted_over(
     compared = {frame: pose for frame, pose in posed.items() if is_seen[frame - frames[0]]}
     if posed and not compared:
         return None
-    for frame, pose in compared.items():
-        here = FilmCamera(camera, path).at(frame)
-        if not _lies_on(keypoints.over(frame, frame), on_body, skeleton, pose, here):
-            return None
-    return keypoints
+    film_camera = FilmCamera(camera, path)
+    beside = [
+        frame
+        for frame, pose in compared.items()
+        if not _lies_on(
+            keypoints.over(frame, frame), on_body, skeleton, pose, film_camera.at(frame)
+        )
+    ]
+    if beside and (not together or len(beside) == len(compared)):
+        return None
+    return keypoints.without(beside)
 
 
 def _lies_on(

@@ -275,10 +275,12 @@ class LiftedKeypoints:
 
 
 def _are_same(keypoints: Keypoints, around: Keypoints) -> bool:
-    """Whether both hold the same keypoints, apart from those that a person set."""
+    """Whether both hold the same keypoints, apart from those that a person set or that do not
+    count."""
     if keypoints.names != around.names:
         return False
     same = np.isclose(keypoints.uv, around.uv, equal_nan=True).all(axis=-1)
+    same |= np.isnan(keypoints.uv).any(axis=-1)
     return bool(same.all() if keypoints.by_hand is None else (same | keypoints.by_hand).all())
 
 

@@ -91,10 +91,19 @@ def hidden(drafted: Keypoints, *frames: int) -> Keypoints:
         (hidden(FILM.keypoints, 4, 5), AS_DRAFTED, True),
         (hidden(FILM.keypoints, -1), AS_DRAFTED, True),
         (hidden(FILM.keypoints, 0, -1), AS_DRAFTED, False),
-        (hidden(FILM.keypoints, 4), replace(AS_DRAFTED, end=moved(AS_DRAFTED.end, 0.5)), False),
+        (hidden(FILM.keypoints, 4), replace(AS_DRAFTED, end=moved(AS_DRAFTED.end, 0.5)), True),
+        (
+            FILM.keypoints,
+            replace(
+                AS_DRAFTED,
+                start=moved(AS_DRAFTED.start, 0.5),
+                end=moved(AS_DRAFTED.end, 0.5),
+            ),
+            False,
+        ),
         (FILM.keypoints.over(FIRST, LAST - 1), AS_DRAFTED, False),
     ],
-    ids=["between", "at a keyframe", "at both", "a keyframe beside", "not drafted"],
+    ids=["between", "at a keyframe", "at both", "a keyframe beside", "both beside", "not drafted"],
 )
 def test_whoever_was_followed_among_others_and_is_unseen_is_hidden(
     drafted: Keypoints, segment: Segment, serves: bool
@@ -103,6 +112,16 @@ def test_whoever_was_followed_among_others_and_is_unseen_is_hidden(
     keypoints = source.over(segment, SKELETON, lambda: None)
     assert keypoints is not None
     assert (keypoints is not LOOKED) == serves
+
+
+def test_among_others_only_the_frame_whose_keyframe_lies_beside_does_not_count() -> None:
+    segment = replace(AS_DRAFTED, end=moved(AS_DRAFTED.end, 0.5))
+    source = DraftedKeypoints(FILM.keypoints, Looks(), BENT, together=True)
+    keypoints = source.over(segment, SKELETON, lambda: None)
+    assert keypoints is not None
+    np.testing.assert_array_equal(keypoints.uv[:-1], FILM.keypoints.uv[:-1])
+    assert np.isnan(keypoints.uv[-1]).all()
+    assert not keypoints.visibility[-1].any()
 
 
 def test_so_are_one_frame_and_those_that_are_followed_ahead() -> None:
