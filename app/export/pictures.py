@@ -167,7 +167,8 @@ def _cells(
         small: Picture | None = None
         pose = subject.poses.pose(frame)
         if pose is not None and rectified(session, video, frame) is not None:
-            picture = snapshot(session, video, frame, pose, look)
+            beside = subject.poses.figures_beside(frame)
+            picture = snapshot(session, video, frame, pose, look, beside)
             small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
         interval, state = None, None
         if after is not None:

@@ -31,7 +31,7 @@ from keypose.app.jobs.progress import seconds_left
 from keypose.tracker.body.pose import joint_positions, pose_transforms
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.detect import ANIMAL, PERSON, STRETCH, Seed, detect
+from keypose.tracker.keypoints.detect import ANIMAL, PERSON, STRETCH, DetectionWindow, Seed
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_animal import is_animals
 from keypose.tracker.keypoints.on_body import is_persons
@@ -99,32 +99,43 @@ class DraftReporter:
             self.reported, self.frames = share, progress.done
             self.report(progress)
 
+    def not_cancelled(self) -> DraftReporter:
+        """For what is done once it is cancelled."""
+        return DraftReporter(self.report, never)
+
 
 @dataclass
 class _Detected:
     """The frames whose keypoints were detected: backward from the one of the box, then forward."""
 
+    video: Video
     at: int
     first: int
     last: int
+    began: float
     count: int = 0
 
     @classmethod
-    def at_box(cls, at: int) -> _Detected:
-        return cls(at, at, at)
+    def of(cls, video: Video, at: int) -> _Detected:
+        return cls(video, at, at, at, time.monotonic())
 
-    def add(self, number: int) -> None:
+    def picture(self, number: int) -> NDArray[np.uint8] | None:
+        """A frame to look at."""
         self.first, self.last = min(self.first, number), max(self.last, number)
         self.count += 1
+        return _frame(self.video, number)
 
-    def keep_pace(self, network: str, seconds: float) -> None:
+    def keep_pace(self, network: str) -> None:
         """Keep how long a frame took, where enough were detected to say so."""
         if self.count >= FEWEST_KEPT:
+            seconds = (time.monotonic() - self.began) / NETWORK_SHARE
             keep_seconds_a_frame(network, seconds / self.count)
 
-    def kept(self, frames: tuple[int, int]) -> tuple[int, int] | None:
+    def kept(self, frames: tuple[int, int], reported: DraftReporter) -> tuple[int, int] | None:
         """First and last of the frames whose keypoints are kept, when it is left here; None where
-        these are too few to pose."""
+        these are too few to pose, or poses were found already."""
+        if reported.reported >= NETWORK_SHARE:
+            return None
         if self.last > self.at:
             kept_frames = frames[0], self.last // STRETCH * STRETCH
         else:
@@ -172,74 +183,86 @@ def drafted_people(
     report: Callable[[DraftProgress], None],
     cancelled: Callable[[], bool] = never,
 ) -> list[Drafted]:
-    """The same of several people in boxes on one frame, in their order; of more than one Cancelled
-    wherever it was left."""
+    """The same of several people in boxes on one frame, in their order, cancelled likewise; animals
+    are followed each by itself, and of more than one Cancelled wherever it was left."""
+    require_apart(boxes, at)
+    reporter = DraftReporter(report, cancelled)
+    find_drafts = _drafted_animals if is_animals(session.subject.body) else _drafted_persons
+    return find_drafts(session, video, at, boxes, frames, proportions, reporter)
+
+
+def _drafted_persons(
+    session: Session,
+    video: Video,
+    at: int,
+    boxes: Sequence[Box],
+    frames: tuple[int, int],
+    proportions: bool,
+    report: DraftReporter,
+) -> list[Drafted]:
+    """The drafts of people, who are followed together."""
     from keypose.tracker.fitting.draft import (  # loads what only this needs
         draft_from_keypoints,
         draft_people,
     )
     from keypose.tracker.keypoints.detectors import open_detector
     from keypose.tracker.keypoints.model_files import find_model
+    from keypose.tracker.keypoints.people import detect_people
     from keypose.tracker.operations.lifting import lifter_for_drafts
     from keypose.tracker.storage.cache import Detections
 
-    require_apart(boxes, at)
-    if is_animals(session.subject.body):
-        reporter = DraftReporter(report, cancelled)
-        return _drafted_animals(session, video, at, boxes, frames, proportions, reporter)
-    detected = _Detected.at_box(at)
-
-    def picture(number: int) -> NDArray[np.uint8] | None:
-        detected.add(number)
-        return _frame(video, number)
-
-    name, camera = session.settings.network_used, session.view.camera
+    name, camera, body = session.settings.network_used, session.view.camera, session.subject.body
     model = find_model(name)
     network = open_detector(model)
-    reporter, began = DraftReporter(report, cancelled), time.monotonic()
+    detected = _Detected.of(video, at)
     film, kept = session.view.video.pictures, Detections()
     half = not needs_masks(session) and model.skips_frames_at(video.info.fps)
     lifter = lifter_for_drafts(session, lambda: video.info.times_s)
+    up_world, path = session.world.up_world, session.camera_path
     try:
-        clip_drafts = draft_people(
-            picture,
+        drafts = draft_people(
+            detected.picture,
             frames,
             at,
             boxes,
             camera,
-            session.subject.body,
+            body,
             network,
             again=network.plain,
             proportions=proportions,
-            up_world=session.world.up_world,
-            path=session.camera_path,
+            up_world=up_world,
+            path=path,
             lifter=lifter,
-            report=reporter,
+            report=report,
             film=film,
             kept=kept,
             every_second=half,
         )
+        part = None
     except Cancelled:
-        part = detected.kept(frames) if reporter.reported < NETWORK_SHARE else None
-        if part is None or len(boxes) > 1:
+        part = detected.kept(frames, report)
+        if part is None:
             raise
-        detected.keep_pace(name, (time.monotonic() - began) / NETWORK_SHARE)
-        seed = Seed.of_box(at, boxes[0], camera.width, camera.height)
-        keypoints = detect(picture, part, [seed], network, film=film, kept=kept, every_second=half)
-        clip_draft = draft_from_keypoints(
-            keypoints,
-            camera,
-            session.subject.body,
-            proportions=proportions,
-            up_world=session.world.up_world,
-            path=session.camera_path,
-            lifter=lifter,
-            report=DraftReporter(report, never),
+        seeds = [[Seed.of_box(at, box, camera.width, camera.height)] for box in boxes]
+        people = detect_people(
+            detected.picture, part, seeds, network, film=film, kept=kept, every_second=half
         )
-        return [Drafted(_outlined(clip_draft, session), network.fingerprint, part)]
+        drafts = [
+            draft_from_keypoints(
+                keypoints,
+                camera,
+                body,
+                proportions=proportions,
+                up_world=up_world,
+                path=path,
+                lifter=lifter,
+                report=report.not_cancelled(),
+            )
+            for keypoints in people
+        ]
     if len(boxes) == 1:
-        detected.keep_pace(name, time.monotonic() - began)
-    return [Drafted(_outlined(each, session), network.fingerprint) for each in clip_drafts]
+        detected.keep_pace(name)
+    return [Drafted(_outlined(each, session), network.fingerprint, part) for each in drafts]
 
 
 def _drafted_animals(
@@ -249,33 +272,51 @@ def _drafted_animals(
     boxes: Sequence[Box],
     frames: tuple[int, int],
     proportions: bool,
-    report: Callable[[DraftProgress], None],
+    report: DraftReporter,
 ) -> list[Drafted]:
-    """The drafts of animals in boxes on one frame, each followed by itself; Cancelled wherever it
-    was left."""
+    """The drafts of animals, each followed by itself."""
     from keypose.tracker.fitting.draft import draft_animal  # loads what only this needs
     from keypose.tracker.keypoints.detectors import open_animal_detector
 
-    model = drafting_model(session)
-    network, began = open_animal_detector(model), time.monotonic()
-    drafts = [
-        draft_animal(
-            partial(_frame, video),
-            frames,
-            Seed.of_box(at, box, session.view.camera.width, session.view.camera.height),
-            session.view.camera,
-            session.subject.body,
-            network,
-            proportions=proportions,
-            up_world=session.world.up_world,
-            path=session.camera_path,
-            report=report,
-        )
-        for box in boxes
-    ]
-    count = len(boxes) * (frames[1] - frames[0] + 1)
-    keep_seconds_a_frame(model.name, (time.monotonic() - began) / count)
-    return [Drafted(draft, network.fingerprint) for draft in drafts]
+    model, camera = drafting_model(session), session.view.camera
+    network, detected = open_animal_detector(model), _Detected.of(video, at)
+    seeds = [Seed.of_box(at, box, camera.width, camera.height) for box in boxes]
+    draft = partial(
+        draft_animal,
+        detected.picture,
+        camera=camera,
+        body=session.subject.body,
+        network=network,
+        proportions=proportions,
+        up_world=session.world.up_world,
+        path=session.camera_path,
+        film=session.view.video.pictures,
+        kept=_KeptHere(),
+    )
+    try:
+        drafts = [draft(frames, seed, report=report) for seed in seeds]
+        part = None
+    except Cancelled:
+        part = detected.kept(frames, report)
+        if part is None or len(seeds) > 1:
+            raise
+        drafts = [draft(part, seed, report=report.not_cancelled()) for seed in seeds]
+    if len(boxes) == 1:
+        detected.keep_pace(model.name)
+    return [Drafted(each, network.fingerprint, part) for each in drafts]
+
+
+class _KeptHere:
+    """What a network of animals saw, for as long as it is drafted; there are no masks to store."""
+
+    def __init__(self) -> None:
+        self._stretches: dict[str, DetectionWindow] = {}
+
+    def get(self, key: str) -> DetectionWindow | None:
+        return self._stretches.get(key)
+
+    def put(self, key: str, stretch: DetectionWindow) -> None:
+        self._stretches[key] = stretch
 
 
 def _frame(video: Video, number: int) -> NDArray[np.uint8] | None:

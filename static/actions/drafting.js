@@ -79,7 +79,6 @@ export function draftTimeWords(frames = draftCount()) {
   const network = server.body?.is_animals ? animalNetwork() : server.networks?.find(({ chosen }) => chosen);
   const pace = network?.frame_s ?? 0;
   const words = aboutTime(frames * pace);
-  if (words && server.body?.is_animals) return `Takes ${words}.`;
   return words && `Takes ${words}. Cancel keeps what is found by then.`;
 }
 

@@ -128,7 +128,7 @@ test('an animal is drafted by a network of animals, which has to be added', () =
   Object.assign(server, { body: { is_animals: true }, networks: [person] });
   assert.match(whyNotDraft(), /^Needs a network of animals, added by “keypose models add NAME .* --animals”$/);
   server.networks = [person, animals];
-  assert.match(draftTimeWords(100), /^Takes about 3 minutes\.$/);
+  assert.match(draftTimeWords(100), /^Takes about 3 minutes\. Cancel keeps what is found by then\.$/);
   server.body = { is_persons: true };
   server.networks = [person];
 });

@@ -24,7 +24,8 @@ def thumbnail(
     width_px: int = 320,
     look: ViewStyle | None = None,
 ) -> Html | None:
-    """The body over the video's frame, at most this wide; None where nothing can be shown."""
+    """The body over the video's frame, and those beside it, at most this wide; None where nothing
+    can be shown."""
     pose = subject.poses.pose(frame)
     if pose is None or video is None:
         return None
@@ -32,7 +33,8 @@ def thumbnail(
         video.frame(frame)
     except MissingFrame:
         return None
-    picture = snapshot(subject.session, video, frame, pose, look or ViewStyle())
+    beside = subject.poses.figures_beside(frame)
+    picture = snapshot(subject.session, video, frame, pose, look or ViewStyle(), beside)
     return embedded(_no_wider(picture, width_px), f"Frame {frame} with the body")
 
 

@@ -117,7 +117,8 @@ def subject_of(session: Session, session_path: Path, video: VideoInfo | None = N
     """All that is known of a session; it need not be tracked, and its tracks may be damaged."""
     present = _as_tracked(session)
     try:
-        poses, results = KnownPoses.of(session, session_path), load_results(present, session_path)
+        poses = KnownPoses.of(session, session_path, alone=False)
+        results = load_results(present, session_path)
         problem = None if poses.tracks is None else outdated_words(session, poses.tracks)
     except SessionError as error:
         bare = session.changed({"results": None})

@@ -27,6 +27,7 @@ from tests.app.jobs import job_cases
 from tests.app.jobs.job_cases import NUMBER
 
 WALK = Walk("horse", frames=10)
+LONG = Walk("horse", frames=40)
 
 
 @pytest.fixture(autouse=True)
@@ -49,9 +50,9 @@ def session_of(film: Path, body: str = WALK.name) -> Session:
     return session.changed({"body": preset(body), "camera": camera})
 
 
-def reported(film: Path, leave_at: int = -1) -> list[Report]:
-    content = session_of(film).model_dump_json().encode()
-    order = DraftClip(content, str(film), "", 0, WALK.box(), (0, 9), proportions=False)
+def reported(film: Path, leave_at: int = -1, walk: Walk = WALK) -> list[Report]:
+    content, last = session_of(film).model_dump_json().encode(), walk.frames - 1
+    order = DraftClip(content, str(film), "", 0, walk.box(), (0, last), proportions=False)
     left, cache, count = Event(), WorkerCache(), 0
 
     def received(_: Report) -> None:
@@ -78,10 +79,21 @@ def test_an_animal_is_drafted_and_its_progress_rises(film: Path) -> None:
     assert words[-1] == "Posing: 10 of 10 frames"
 
 
-def test_a_draft_of_an_animal_that_is_cancelled_reports_nothing(film: Path) -> None:
+def test_a_draft_of_an_animal_that_is_cancelled_at_once_reports_nothing(film: Path) -> None:
     *progress, end = reported(film, leave_at=2)
     assert end == Finished(NUMBER, cancelled=True)
     assert len(progress) == 2
+
+
+def test_one_that_is_cancelled_later_keeps_what_the_network_has_seen(tmp_path: Path) -> None:
+    *_, end = reported(LONG.film(tmp_path / "long"), leave_at=30, walk=LONG)
+    assert isinstance(end, Finished)
+    assert not end.cancelled
+    (draft, _, detected), last = end.result[0], LONG.frames - 1
+    assert detected is not None
+    assert detected[0] == 0
+    assert 15 <= detected[1] < last
+    assert sorted(draft.poses) == list(range(detected[1] + 1))
 
 
 def test_the_network_that_is_chosen_comes_before_others_that_were_added(

@@ -6,6 +6,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -131,6 +132,36 @@ def test_a_draft_that_is_cancelled_later_keeps_what_the_network_has_seen(
     assert len(end.result[0].draft.poses) > 10
     shares = [report.share for report in progress if isinstance(report, Progress)]
     assert shares == sorted(shares)
+
+
+def test_so_does_a_draft_of_two_people_who_are_followed_together(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    film, width = twice(tmp_path / "film", 40)
+    with Video.open(film) as video:
+        begun = new_session(video, film / "session.json").model_dump_json().encode()
+    left, top, right, bottom = BOX
+    beside = left + width, top, right + width, bottom
+    job = DraftClip(begun, str(film), "", 0, BOX, (0, 39), proportions=True, others=(beside,))
+    *_, end = reported(job, leave_at=20)
+    assert isinstance(end, Finished)
+    assert not end.cancelled
+    for draft, _, (first, last) in end.result:
+        assert first == 0
+        assert 15 <= last < 39
+        assert sorted(draft.poses) == list(range(last + 1))
+    assert len(end.result) == 2
+
+
+def twice(folder: Path, frames: int) -> tuple[Path, int]:
+    """A folder of pictures that show the film beside itself, and the width of the film."""
+    folder.mkdir()
+    with Video.open(VIDEO) as video:
+        for number in range(frames):
+            picture = video.frame(number)[..., ::-1]
+            cv2.imwrite(str(folder / f"{number:04}.png"), np.hstack([picture, picture]))
+        return folder, video.info.width
 
 
 def test_a_box_with_nobody_in_it_is_one_sentence(content: bytes) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import re
 from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
@@ -66,11 +68,7 @@ def test_alone_it_is_cut_out_as_always_and_with_another_more_is_covered() -> Non
 def test_a_picture_shows_all_bodies_unless_one_is_asked_for(
     view: str, background: str, tmp_path: Path
 ) -> None:
-    path = sample(tmp_path, "box")
-    session = of_two(load_session(path))
-    aside = session.bodies[1].keyframes[0].model_copy(update={"root_m": (0.3, 0.1, 2.5)})
-    second = session.bodies[1].model_copy(update={"keyframes": (aside,)})
-    save_session(session.with_body(second), path)
+    path = with_a_second_body(tmp_path)
     drawn = ["shot", str(path), "--frame", "0", "--view", view, "--background", background]
     drawn += ["--style", "solid", "--opacity", "100"] if view in ("main", "all") else []
     pictures = {}
@@ -80,6 +78,34 @@ def test_a_picture_shows_all_bodies_unless_one_is_asked_for(
         pictures[name] = cv2.imread(str(out))
     assert _has(pictures["all"])
     assert not _has(pictures["one"])
+
+
+def with_a_second_body(folder: Path) -> Path:
+    path = sample(folder, "box")
+    session = of_two(load_session(path))
+    aside = session.bodies[1].keyframes[0].model_copy(update={"root_m": (0.3, 0.1, 2.5)})
+    second = session.bodies[1].model_copy(update={"keyframes": (aside,)})
+    save_session(session.with_body(second), path)
+    return path
+
+
+def test_a_sheet_shows_all_bodies(tmp_path: Path) -> None:
+    path, out = with_a_second_body(tmp_path), tmp_path / "sheet.png"
+    drawn = ["--style", "solid", "--opacity", "100", "--out", str(out)]
+    assert main(["sheet", str(path), *drawn]) == 0
+    assert _has(cv2.imread(str(out)))
+
+
+@pytest.mark.parametrize(("asked", "shown"), [((), True), (("--body", "body"), False)])
+def test_a_report_shows_all_bodies_unless_one_is_asked_for(
+    asked: tuple[str, ...], shown: bool, tmp_path: Path
+) -> None:
+    path, out = with_a_second_body(tmp_path), tmp_path / "report.html"
+    assert main(["report", str(path), *asked, "--out", str(out)]) == 0
+    jpegs = re.findall(r'src="data:image/jpeg;base64,([^"]+)" [^>]*alt="Frame 0', out.read_text())
+    assert jpegs
+    content = np.frombuffer(base64.b64decode(jpegs[0]), np.uint8)
+    assert _has(cv2.imdecode(content, cv2.IMREAD_COLOR)) is shown
 
 
 def _has(picture: np.ndarray) -> bool:

@@ -22,7 +22,7 @@ from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.geometry.steady import SteadyCamera
-from keypose.tracker.keypoints.detect import ANIMAL, Detector, Frame, Progress, Seed, detect
+from keypose.tracker.keypoints.detect import ANIMAL, Detector, Frame, Kept, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.on_animal import ANIMAL_POINTS
 from keypose.tracker.session.annotations import Reason
@@ -55,6 +55,8 @@ def draft_animal(
     up_world: ArrayLike | None = None,
     path: CameraPath | None = None,
     report: Callable[[DraftProgress], None] = lambda progress: None,
+    film: str = "",
+    kept: Kept | None = None,
 ) -> ClipDraft:
     """Drafts of all frames from the first to the last, of the animal at a seed.
 
@@ -64,7 +66,9 @@ def draft_animal(
     def looked(progress: Progress) -> None:
         report(DraftProgress("keypoints", progress.done, progress.expected))
 
-    keypoints = detect(frame, frames, [seed], network, report=looked, subject=ANIMAL)
+    keypoints = detect(
+        frame, frames, [seed], network, report=looked, film=film, kept=kept, subject=ANIMAL
+    )
     return draft_from_animal_keypoints(
         keypoints,
         camera,
