@@ -7,6 +7,7 @@ import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { fewestKeys, isSurface, words as subject } from '../store/clip.js';
+import { whom } from '../actions/drafting.js';
 import { filmSteps } from './film_steps.js';
 
 const SIZE = `Hold D and drag the point between the arrows until head and feet match. Dragging up
@@ -30,8 +31,10 @@ const BY_HAND = [
     takes: { view: 'main', kinds: ['root'] },
     word: 'Hips',
     title: 'Drag the waist onto the hips',
-    text: `Drag the point between the four arrows onto the person’s hips. If the body hides the person,
-      lower its opacity with the slider above.`,
+    get text() {
+      return `Drag the point between the four arrows onto the hips of ${whom()}. If the body hides
+        ${whom()}, lower its opacity with the slider above.`;
+    },
   },
   {
     name: 'height',
@@ -39,7 +42,9 @@ const BY_HAND = [
     again: true,
     takes: { view: 'main', kinds: ['root'] },
     word: 'Size',
-    title: 'Match the person’s size',
+    get title() {
+      return `Match the size of ${whom()}`;
+    },
     text: SIZE,
   },
   {
@@ -65,8 +70,11 @@ const BY_HAND = [
     takes: { view: 'main', kinds: ['end', 'middle'] },
     word: 'Limbs',
     title: 'Pull the limbs into place',
-    text: `Drag the ringed points onto hands and feet, then onto elbows and knees. Where shoulders
-      or hips are off, drag those too. Click a foot or the head for rings that rotate it.`,
+    get text() {
+      const ends = server.body?.is_animals ? 'paws or hooves' : 'hands and feet';
+      return `Drag the ringed points onto ${ends}, then onto elbows and knees. Where shoulders
+        or hips are off, drag those too. Click a foot or the head for rings that rotate it.`;
+    },
   },
   {
     name: 'depth',
@@ -75,7 +83,7 @@ const BY_HAND = [
     takes: { view: 'side', kinds: ['end'] },
     word: 'Depth',
     title: 'Check from the side',
-    text: `In the Side view, pull hands and feet that are too near or too far. If the whole body leans
+    text: `In the Side view, pull limbs that are too near or too far. If the whole body leans
       the wrong way, rotate it at the waist first (red ring).`,
     choices: [{ label: 'Rotate the waist', title: 'Show the rotation rings of the waist', act: turnWaist }],
   },

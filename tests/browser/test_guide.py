@@ -65,7 +65,7 @@ def test_the_guide_begins_anew_although_keyframes_stand(guided: Page) -> None:
     assert section(guided, "keys.frames") == [0, 24, 48, 72]
     assert guided.locator("#guide .foot").inner_text().startswith("Step 1 of 6")
     pulled(guided, "waist", (6, 4))
-    until(lambda: title(guided) == "Match the person’s size", "the next step")
+    until(lambda: title(guided) == "Match the size of the person", "the next step")
 
 
 def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
@@ -77,7 +77,7 @@ def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
     assert not section(guided, "guide.done")["hips"]
     guided.mouse.up()
     until_state(guided, "guide.done", lambda done: done["hips"])
-    until(lambda: title(guided) == "Match the person’s size", "the next step")
+    until(lambda: title(guided) == "Match the size of the person", "the next step")
 
 
 def test_a_drag_that_is_taken_back_does_no_step(at: Desk, guided: Page) -> None:
@@ -145,7 +145,7 @@ def test_the_card_stays_in_its_place_during_a_step(guided: Page) -> None:
 
 
 def test_the_reading_of_a_drag_is_not_hidden_by_the_card(guided: Page) -> None:
-    up_to(guided, "Match the person’s size")
+    up_to(guided, "Match the size of the person")
     put_over(guided, spot(guided, "waist"))
     x, y = spot(guided, "waist")
     drag(guided, (x, y), (x + 4, y + 2), drop=False)

@@ -4,6 +4,7 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { otherBodies, takeBody } from '../../static/guide/film_steps.js';
+import { steps } from '../../static/guide/steps.js';
 import { server, ui } from '../../static/store/state.js';
 
 const BOX = [10, 20, 30, 80];
@@ -41,4 +42,19 @@ test('a thing has a guide of its own, from its first step', () => {
   assert.deepEqual([ui.guidePath, ui.guideStep], ['film', 2]);
   takeBody(PRESETS[4]);
   assert.deepEqual([ui.guidePath, ui.guideStep, ui.tab], ['thing', 0, 'part']);
+});
+
+test('what is posed by hand is called what it is', () => {
+  const words = (/** @type {object} */ body) => {
+    Object.assign(server, { body: { presets: PRESETS, parts: [{}, {}], ...body } });
+    ui.guidePath = 'hand';
+    return steps()
+      .map(({ title, text }) => `${title} ${text}`)
+      .join(' ');
+  };
+  const ofPerson = words({ is_persons: true });
+  const ofAnimal = words({ is_animals: true });
+  assert.match(ofPerson, /the hips of the person.*the size of the person.*hands and feet/s);
+  assert.match(ofAnimal, /the hips of the animal.*the size of the animal.*paws or hooves/s);
+  assert.doesNotMatch(ofAnimal, /person/);
 });
