@@ -1,6 +1,6 @@
 // Bonds: what of the posed body holds a part of another one, or of itself.
 
-import { bodies } from '../store/bodies.js';
+import { bodies, posedBody } from '../store/bodies.js';
 import { selectedPart } from '../store/parts.js';
 import { server } from '../store/state.js';
 import { frame } from './playhead.js';
@@ -12,7 +12,7 @@ export const allBonds = () => server.bonds ?? [];
 
 /** The end that is on the posed body; of two on it the one of the part. @param {Bond} bond */
 export function ownEnd({ holder, held }, part = selectedPart()) {
-  const posed = bodies().find((body) => body.posed)?.id;
+  const posed = posedBody()?.id;
   if (held.body !== posed) return holder;
   if (holder.body !== posed) return held;
   return held.part === part?.name ? held : holder;
@@ -21,8 +21,13 @@ export function ownEnd({ holder, held }, part = selectedPart()) {
 /** @param {Bond} bond */
 export const otherEnd = (bond, part = selectedPart()) => (ownEnd(bond, part) === bond.holder ? bond.held : bond.holder);
 
-/** Those between the posed body and this one. @param {string} id */
-export const bondsWith = (id) => allBonds().filter(({ holder, held }) => [holder.body, held.body].includes(id));
+/** Those between the posed body and this one; of the posed one, between parts of it. @param {string} id */
+export function bondsWith(id) {
+  const posed = posedBody()?.id;
+  return allBonds().filter(
+    ({ holder, held }) => (holder.body === posed && held.body === id) || (held.body === posed && holder.body === id),
+  );
+}
 
 /** Those of a part. @returns {Bond[]} */
 export const bondsOf = (part) => allBonds().filter((bond) => ownEnd(bond, part).part === part?.name);

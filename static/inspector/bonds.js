@@ -8,7 +8,7 @@ import { goTo } from '../actions/playhead.js';
 import { textField } from '../controls/buttons.js';
 import { dropdown, segmented } from '../controls/fields.js';
 import { range } from '../controls/words.js';
-import { bodies } from '../store/bodies.js';
+import { bodies, posedBody } from '../store/bodies.js';
 import { lastFrame } from '../store/clip.js';
 import { send } from '../store/link.js';
 import { line, section } from './section.js';
@@ -17,11 +17,11 @@ import { line, section } from './section.js';
 
 export function bonds(part) {
   const list = bondsOf(part);
-  if (bodies().length < 2 && !list.length) return nothing;
+  if (bodies().length < 2 && (posedBody()?.parts.length ?? 0) < 2) return nothing;
   return section(
     'Holds',
     html`${list.map((bond) => bondRow(bond, part))}
-    ${list.length ? nothing : html`<p class="note">It stays where it holds: a racket in a hand.</p>`}`,
+    ${list.length ? nothing : html`<p class="note">It stays where it holds: a racket in a hand, a hand on a hip.</p>`}`,
     html`${actionIcon('bond')}${choice(part)}`,
   );
 }

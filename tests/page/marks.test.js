@@ -120,6 +120,19 @@ test('each mark is found where it is drawn, and the frames everywhere else', () 
   for (const [kind, there] of found) assert.equal(there, kind);
 });
 
+test('what parts of the posed body hold of each other has a row of its own below the other bodies', () => {
+  const { rows: before } = stage();
+  const own = (part) => ({ body: 'p', part, name: 'Ann', label: part });
+  server.bonds = [...server.bonds, { index: 4, holder: own('hand'), held: own('trunk'), first: 60, last: 70 }];
+  const { rows } = stage();
+  assert.equal(rows.bodies.h, 2 * before.bodies.h);
+  const at = (frame, y) => under({ x: scale.x(frame), y }, stage()).what;
+  const y = rows.bodies.y + before.bodies.h + 17;
+  assert.deepEqual([at(61, y).kind, at(61, y).index], ['bond', 4]);
+  assert.equal(at(44, y).kind, 'body', 'the other one lies in the row of the body that is held');
+  assert.equal(at(61, rows.bodies.y + 17).kind, 'body');
+});
+
 test('where marks lie over each other, the one listed first is meant', () => {
   ui.reviewLeft = true;
   assert.equal(kindAt(20, scale.RULER), 'note', 'before a place to review');

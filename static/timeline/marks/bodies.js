@@ -1,5 +1,6 @@
 // The bodies that are not posed, a row each: its keyframes and segments, and below them, as a line, where a
-// part of it holds one of the posed body or is held. A click poses it at that frame.
+// part of it holds one of the posed body or is held. A click poses it at that frame. Where parts of the posed
+// body hold each other it has a row of such lines as well.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { perform } from '../../actions/actions.js';
@@ -11,7 +12,7 @@ import { goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
 import { Stroke } from '../../controls/gesture.js';
 import { heading, openMenuAt } from '../../controls/menu.js';
 import { count, range } from '../../controls/words.js';
-import { bodiesBeside, bodyNamed } from '../../store/bodies.js';
+import { bodiesBeside, bodyNamed, posedBody } from '../../store/bodies.js';
 import { clampFrame } from '../../store/clip.js';
 import { select } from '../../store/parts.js';
 import { server } from '../../store/state.js';
@@ -31,8 +32,14 @@ const BOND = { y: 15, h: 3 };
 const REACH_PX = 6;
 const NAME_LETTERS = 15;
 
+/** The bodies of the rows, in their order. @returns {BodyOfScene[]} */
+function bodiesOfRows() {
+  const posed = posedBody();
+  return posed && bondsWith(posed.id).length ? [...bodiesBeside(), posed] : bodiesBeside();
+}
+
 /** What the rows take, px. */
-export const bodiesHeight = () => bodiesBeside().length * ROW;
+export const bodiesHeight = () => bodiesOfRows().length * ROW;
 
 /** A bond between the posed body and another one, dragged by its ends. @type {import('../mark.js').Mark} */
 export const bond = {
@@ -44,7 +51,7 @@ export const bond = {
       z: 45,
       from: () => [server.bodies, server.bonds, held('bond')],
       draw: ({ rows }) =>
-        rows.bodies ? bodiesBeside().map((body, at) => drawBonds(body, topOf(rows.bodies, at))) : nothing,
+        rows.bodies ? bodiesOfRows().map((body, at) => drawBonds(body, topOf(rows.bodies, at))) : nothing,
     },
   ],
   hit(place, { rows }) {
@@ -101,16 +108,16 @@ export const bodyRow = {
     {
       group: 'frames',
       z: 44,
-      from: () => [server.bodies],
+      from: () => [server.bodies, server.bonds],
       draw: ({ rows }) =>
-        rows.bodies ? bodiesBeside().map((body, at) => drawRow(body, topOf(rows.bodies, at))) : nothing,
+        rows.bodies ? bodiesOfRows().map((body, at) => drawRow(body, topOf(rows.bodies, at))) : nothing,
     },
     {
       group: 'above',
       z: 44,
-      from: () => [server.bodies],
+      from: () => [server.bodies, server.bonds],
       draw: ({ rows }) =>
-        rows.bodies ? bodiesBeside().map((body, at) => drawName(body, topOf(rows.bodies, at))) : nothing,
+        rows.bodies ? bodiesOfRows().map((body, at) => drawName(body, topOf(rows.bodies, at))) : nothing,
     },
   ],
   hit(place, { rows }) {
@@ -121,13 +128,13 @@ export const bodyRow = {
   grab: () => ({ move: () => null }),
   click({ id, frame }) {
     stopPlaying();
-    perform('poseBody', id);
+    if (id !== posedBody()?.id) perform('poseBody', id);
     if (frame !== null) goTo(frame);
   },
   menu: ({ id }, { page }) => openMenuAt('Body', bodyEntries(id), page),
   tip({ id, frame }, rows) {
     const body = bodyNamed(id);
-    if (!body || !rows.bodies) return nothing;
+    if (!body || body.posed || !rows.bodies) return nothing;
     const where = frame === null ? '' : ` at ${frame}`;
     return plate(`Pose ${body.name}${where}`, frame === null ? 0 : x(frame), below(rows), ` · ${wordsOf(body)}`);
   },
@@ -144,13 +151,14 @@ const topOf = (row, at) => row.y + at * ROW;
 /** The body whose row is at a place, and how far below its top that is. */
 function rowAt(row, place) {
   const at = Math.floor((place.y - row.y) / ROW);
-  return { body: bodiesBeside()[at], y: place.y - topOf(row, at) };
+  return { body: bodiesOfRows()[at], y: place.y - topOf(row, at) };
 }
 
-/** Its keyframe or place to confirm near a pixel, else the frame there; null beside the frames. */
-function frameMeant({ keys, places }, px) {
+/** Its keyframe or place to confirm near a pixel, else the frame there; null beside the frames. The posed body
+ * has these elsewhere. */
+function frameMeant({ keys, places, posed }, px) {
   if (px < GUTTER) return null;
-  return nearest([...keys, ...places], px, REACH_PX) ?? clampFrame(frameAt(px));
+  return nearest(posed ? [] : [...keys, ...places], px, REACH_PX) ?? clampFrame(frameAt(px));
 }
 
 const bondNumbered = (index) => (server.bonds ?? []).find((one) => one.index === index);
@@ -173,8 +181,10 @@ function drawBondWords(one, rows) {
 /** @param {BodyOfScene} body */
 function drawRow(body, top) {
   const middle = top + 9;
+  const rule = svg`<path class="rule" d=${`M${GUTTER} ${top + ROW - 0.5}H100000`} />`;
+  if (body.posed) return svg`<g class="bodyrow">${rule}</g>`;
   return svg`<g class="bodyrow" style="--body:${body.colour}">
-    <path class="rule" d=${`M${GUTTER} ${top + ROW - 0.5}H100000`} />
+    ${rule}
     ${seenOf(body.segments).map((one) => drawSegment(one, middle))}
     ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${RING} />`)}
     ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, KEY)} />`)}
