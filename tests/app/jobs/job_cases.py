@@ -9,6 +9,7 @@ from typing import Any
 
 from keypose.app.jobs.job import Context, Job, Progress, Report, do
 from keypose.app.jobs.track import Found, Tracked, found_in
+from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.tracker.tracking.pool import PassFinished, SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
 
@@ -30,6 +31,22 @@ def reported(
     with ThreadPoolExecutor(threads) as pool:
         do(job, Context(NUMBER, cache, pool, (cancelled or Event()).is_set, send))
     return reports
+
+
+def reported_until(job: Job, cancel_after: int | None) -> list[Report]:
+    """All that a job reports, which is cancelled after so many reports."""
+    cancelled, cache, count = Event(), WorkerCache(), 0
+
+    def received(_: Report) -> None:
+        nonlocal count
+        count += 1
+        if count == cancel_after:
+            cancelled.set()
+
+    try:
+        return reported(job, cache, cancelled, received=received)
+    finally:
+        cache.close()
 
 
 def segment_done(job: int, result: SegmentResult) -> Progress:

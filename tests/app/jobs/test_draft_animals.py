@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from threading import Event
 
 import pytest
 
@@ -12,8 +11,7 @@ from keypose.app.document.new import new_session
 from keypose.app.editor.documents import ActionRefused
 from keypose.app.editor.drafted import drafting_model, require_draftable
 from keypose.app.jobs.draft import DraftClip
-from keypose.app.jobs.job import Finished, Progress, Report
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.job import Finished, Progress
 from keypose.tracker.body.body import preset
 from keypose.tracker.errors import KeypointError
 from keypose.tracker.geometry.camera import Camera
@@ -23,8 +21,7 @@ from keypose.tracker.storage.networks import add_own, remove_network
 from keypose.tracker.video import Video
 from tests.animals.dot_network import dot_network
 from tests.animals.walking import CAMERA, Walk, error_share
-from tests.app.jobs import job_cases
-from tests.app.jobs.job_cases import NUMBER
+from tests.app.jobs.job_cases import NUMBER, reported_until
 
 WALK = Walk("horse", frames=10)
 LONG = Walk("horse", frames=40)
@@ -50,25 +47,14 @@ def session_of(film: Path, body: str = WALK.name) -> Session:
     return session.changed({"body": preset(body), "camera": camera})
 
 
-def reported(film: Path, leave_at: int = -1, walk: Walk = WALK) -> list[Report]:
-    content, last = session_of(film).model_dump_json().encode(), walk.frames - 1
-    order = DraftClip(content, str(film), "", 0, walk.box(), (0, last), proportions=False)
-    left, cache, count = Event(), WorkerCache(), 0
-
-    def received(_: Report) -> None:
-        nonlocal count
-        count += 1
-        if count == leave_at:
-            left.set()
-
-    try:
-        return job_cases.reported(order, cache, left, received=received)
-    finally:
-        cache.close()
+def order(film: Path, walk: Walk = WALK) -> DraftClip:
+    content = session_of(film).model_dump_json().encode()
+    frames = (0, walk.frames - 1)
+    return DraftClip(content, str(film), "", 0, walk.box(), frames, proportions=False)
 
 
 def test_an_animal_is_drafted_and_its_progress_rises(film: Path) -> None:
-    *progress, end = reported(film)
+    *progress, end = reported_until(order(film), None)
     assert isinstance(end, Finished)
     draft, network, detected = end.result[0]
     assert detected is None
@@ -80,13 +66,13 @@ def test_an_animal_is_drafted_and_its_progress_rises(film: Path) -> None:
 
 
 def test_a_draft_of_an_animal_that_is_cancelled_at_once_reports_nothing(film: Path) -> None:
-    *progress, end = reported(film, leave_at=2)
+    *progress, end = reported_until(order(film), 2)
     assert end == Finished(NUMBER, cancelled=True)
     assert len(progress) == 2
 
 
 def test_one_that_is_cancelled_later_keeps_what_the_network_has_seen(tmp_path: Path) -> None:
-    *_, end = reported(LONG.film(tmp_path / "long"), leave_at=30, walk=LONG)
+    *_, end = reported_until(order(LONG.film(tmp_path / "long"), LONG), 30)
     assert isinstance(end, Finished)
     assert not end.cancelled
     (draft, _, detected), last = end.result[0], LONG.frames - 1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from threading import Event
 from typing import Any
 
 import cv2
@@ -13,14 +12,12 @@ from numpy.typing import NDArray
 
 from keypose.app.document.new import new_session
 from keypose.app.jobs.draft import DraftClip, DraftReporter, drafted
-from keypose.app.jobs.job import Failed, Finished, Progress, Report
-from keypose.app.jobs.worker_cache import WorkerCache
+from keypose.app.jobs.job import Failed, Finished, Progress
 from keypose.tracker.fitting.draft import DraftProgress, clip
 from keypose.tracker.keypoints import model_files
 from keypose.tracker.session import Session
 from keypose.tracker.video import Video
-from tests.app.jobs import job_cases
-from tests.app.jobs.job_cases import NUMBER
+from tests.app.jobs.job_cases import NUMBER, reported_until
 from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
 
 VIDEO = BALANCE / "balance.mp4"
@@ -33,28 +30,12 @@ def content() -> bytes:
         return new_session(video, Path("session.json").absolute()).model_dump_json().encode()
 
 
-def reported(job: DraftClip, leave_at: int = -1) -> list[Report]:
-    """All reports of a job, which is cancelled after so many."""
-    left, cache, count = Event(), WorkerCache(), 0
-
-    def received(_: Report) -> None:
-        nonlocal count
-        count += 1
-        if count == leave_at:
-            left.set()
-
-    try:
-        return job_cases.reported(job, cache, left, received=received)
-    finally:
-        cache.close()
-
-
 def order(content: bytes, box: tuple[float, float, float, float] = BOX) -> DraftClip:
     return DraftClip(content, str(VIDEO), "", 0, box, (0, 4), proportions=True)
 
 
 def test_a_clip_is_drafted_and_its_progress_rises(content: bytes) -> None:
-    *progress, end = reported(order(content))
+    *progress, end = reported_until(order(content), None)
     assert isinstance(end, Finished)
     draft, network, detected = end.result[0]
     assert detected is None
@@ -108,7 +89,7 @@ def test_a_quick_film_is_drafted_from_every_second_frame_where_no_mask_is_needed
 
 
 def test_a_cancelled_draft_reports_nothing_it_found(content: bytes) -> None:
-    *progress, end = reported(order(content), leave_at=2)
+    *progress, end = reported_until(order(content), 2)
     assert end == Finished(NUMBER, cancelled=True)
     assert len(progress) == 2
 
@@ -122,7 +103,7 @@ def test_a_draft_that_is_cancelled_later_keeps_what_the_network_has_seen(
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     job = DraftClip(content, str(VIDEO), "", at, BOX, (0, 39), proportions=True)
-    *progress, end = reported(job, leave_at=30)
+    *progress, end = reported_until(job, 30)
     assert isinstance(end, Finished)
     assert not end.cancelled
     first, last = end.result[0].detected
@@ -144,7 +125,7 @@ def test_so_does_a_draft_of_two_people_who_are_followed_together(
     left, top, right, bottom = BOX
     beside = left + width, top, right + width, bottom
     job = DraftClip(begun, str(film), "", 0, BOX, (0, 39), proportions=True, others=(beside,))
-    *_, end = reported(job, leave_at=20)
+    *_, end = reported_until(job, 20)
     assert isinstance(end, Finished)
     assert not end.cancelled
     for draft, _, (first, last) in end.result:
@@ -165,7 +146,7 @@ def twice(folder: Path, frames: int) -> tuple[Path, int]:
 
 
 def test_a_box_with_nobody_in_it_is_one_sentence(content: bytes) -> None:
-    end = reported(order(content, (0.0, 0.0, 60.0, 60.0)))[-1]
+    end = reported_until(order(content, (0.0, 0.0, 60.0, 60.0)), None)[-1]
     assert isinstance(end, Failed)
     assert end.words.startswith("No person was found at frame 0:")
 
@@ -177,7 +158,7 @@ def test_a_network_that_is_not_here_is_one_sentence_that_says_how_to_add_it(
     session = Session.model_validate_json(content)
     settings = session.settings.model_copy(update={"network": "mine"})
     named = session.changed({"settings": settings}).model_dump_json().encode()
-    (end,) = reported(order(named))
+    (end,) = reported_until(order(named), None)
     assert isinstance(end, Failed)
     assert end.words.endswith("`keypose models add mine --from FILE --sha256 DIGEST`.")
 
