@@ -8,6 +8,7 @@ camera's x to the right, y up and z toward the viewer: the page drives its camer
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -153,7 +154,7 @@ class Stage:
         self._drawn: Scenery | None = None
         self._outline: Outline | None = None
         self._parts: list[PartNodes] = []
-        self._beside: list[tuple[Body, list[PartNodes]]] = []
+        self._beside: list[_NodesBeside] = []
         self._lines: dict[str, LineSegmentsHandle] = {}
         self._skins = SkinNodes(self._scene)
         self._only_for: dict[str, tuple[Role, ...]] = {}
@@ -277,22 +278,31 @@ class Stage:
 
     def _draw_beside(self, scenery: Scenery) -> None:
         """The bodies that are not posed: new nodes where one of them is another body."""
-        if [body for body, _ in self._beside] != [each.body for each in scenery.beside]:
-            for _, parts in self._beside:
-                for nodes in parts:
-                    nodes.frame.remove()
+        if [nodes.body for nodes in self._beside] != [each.body for each in scenery.beside]:
+            for nodes in self._beside:
+                nodes.remove()
             self._beside = [
-                (each.body, self._add_parts(f"{ROOT}/beside/{number}", each.body))
+                _NodesBeside(each.body, self._add_parts(f"{ROOT}/beside/{number}", each.body))
                 for number, each in enumerate(scenery.beside)
             ]
-        for each, (_, parts) in zip(scenery.beside, self._beside, strict=True):
-            turns = quaternion_wxyz(each.Ts_camera_part[:, :3, :3])
-            for nodes, wxyz, T in zip(parts, turns, each.Ts_camera_part, strict=True):
-                nodes.set_look(each.colour, False, scenery.mode, scenery.opacity)
-                nodes.set_pose(wxyz, T[:3, 3])
+        for each, nodes in zip(scenery.beside, self._beside, strict=True):
+            nodes.set_look(each.colour, scenery.mode, scenery.opacity)
+            nodes.set_pose(each.Ts_camera_part)
         for role in _OUTLINED:
-            lines, colours = _lines_beside(scenery, role)
+            lines, colours = self._lines_beside(scenery, role)
             self._put(f"{ROOT}/around/{role}", lines, colours, LINE_PX)
+
+    def _lines_beside(self, scenery: Scenery, role: Role) -> tuple[Segments, Array]:
+        """The lines (N, 2, 3) where round sides of the bodies that are not posed turn away from a
+        view, camera frame, and the colours (N, 2, 3) of their ends."""
+        tint = light if role == "main" else dark
+        lines = [np.zeros((0, 2, 3), dtype=np.float32)]
+        colours = [np.zeros((0, 2, 3))]
+        for each, nodes in zip(scenery.beside, self._beside, strict=True):
+            own = nodes.outline.lines(each.Ts_camera_part, scenery.rays(role))
+            lines.append(own)
+            colours.append(np.broadcast_to(tint(each.colour), own.shape))
+        return np.concatenate(lines), np.concatenate(colours)
 
     def _draw_looks(self, scenery: Scenery) -> None:
         sides = part_sides(scenery.body)
@@ -308,9 +318,7 @@ class Stage:
                 node.position = scenery.R_view_camera(role).T @ _TO_LIGHT_OF.get(role, _TO_LIGHT)
 
     def _draw_pose(self, Ts_camera_part: Array) -> None:
-        turns = quaternion_wxyz(Ts_camera_part[:, :3, :3])
-        for nodes, wxyz, T in zip(self._parts, turns, Ts_camera_part, strict=True):
-            nodes.set_pose(wxyz, T[:3, 3])
+        _set_poses(self._parts, Ts_camera_part)
 
     def _draw_outlines(self, scenery: Scenery) -> None:
         assert self._outline is not None
@@ -365,6 +373,37 @@ class Stage:
             self._lines[name] = add_lines(self._scene, name, points, ends, width_px)
 
 
+class _NodesBeside:
+    """The nodes of a body that is not posed."""
+
+    def __init__(self, body: Body, parts: list[PartNodes]) -> None:
+        self.body = body
+        self.outline = Outline.of(body)
+        self._parts = parts
+        self._look: tuple[Colour, Mode, float] | None = None
+
+    def set_look(self, colour: Colour, mode: Mode, opacity: float) -> None:
+        """Nothing where it looks so already: every setting goes to every view."""
+        if self._look == (colour, mode, opacity):
+            return
+        self._look = colour, mode, opacity
+        for nodes in self._parts:
+            nodes.set_look(colour, False, mode, opacity)
+
+    def set_pose(self, Ts_camera_part: Array) -> None:
+        _set_poses(self._parts, Ts_camera_part)
+
+    def remove(self) -> None:
+        for nodes in self._parts:
+            nodes.frame.remove()
+
+
+def _set_poses(parts: Sequence[PartNodes], Ts_camera_part: Array) -> None:
+    turns = quaternion_wxyz(Ts_camera_part[:, :3, :3])
+    for nodes, wxyz, T in zip(parts, turns, Ts_camera_part, strict=True):
+        nodes.set_pose(wxyz, T[:3, 3])
+
+
 def _body_lines(
     body: Body, outline: Outline, Ts_camera_part: Array, rays: Array | None
 ) -> Segments:
@@ -374,19 +413,6 @@ def _body_lines(
         for T, lines in zip(Ts_camera_part, map(_rims, body.parts), strict=True)
     ]
     return np.concatenate([outline.lines(Ts_camera_part, rays), *rims]).astype(np.float32)
-
-
-def _lines_beside(scenery: Scenery, role: Role) -> tuple[Segments, Array]:
-    """The lines (N, 2, 3) where round sides of the bodies that are not posed turn away from a view,
-    camera frame, and the colours (N, 2, 3) of their ends."""
-    tint = light if role == "main" else dark
-    lines = [np.zeros((0, 2, 3), dtype=np.float32)]
-    colours = [np.zeros((0, 2, 3))]
-    for each in scenery.beside:
-        own = Outline.of(each.body).lines(each.Ts_camera_part, scenery.rays(role))
-        lines.append(own)
-        colours.append(np.broadcast_to(tint(each.colour), own.shape))
-    return np.concatenate(lines), np.concatenate(colours)
 
 
 def _rims(part: Part) -> Segments:
