@@ -65,11 +65,14 @@ MOST_SCORES = 60
 PART_WORDS = "Each part's turns in its parent's frame, over the frames; dots are the keyframes."
 
 
-def report_html(session: Session, session_path: Path, video: Video | None = None) -> bytes:
-    """The report as one HTML file, on one body after the other; without the video it has no
-    pictures."""
+def report_html(
+    session: Session, session_path: Path, video: Video | None = None, *, alone: bool = False
+) -> bytes:
+    """The report as one HTML file, on one body after the other, or on the one that is posed alone;
+    without the video it has no pictures."""
     info = None if video is None else video.info
-    subjects = [subject_of(session.about(b.id), session_path, info) for b in session.bodies]
+    abouts = [session] if alone else [session.about(body.id) for body in session.bodies]
+    subjects = [subject_of(about, session_path, info, alone=alone) for about in abouts]
     several = len(subjects) > 1
     parts = [
         part

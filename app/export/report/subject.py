@@ -113,11 +113,15 @@ class Subject:
         return self.session.evidence.times_s(of_file)
 
 
-def subject_of(session: Session, session_path: Path, video: VideoInfo | None = None) -> Subject:
-    """All that is known of a session; it need not be tracked, and its tracks may be damaged."""
+def subject_of(
+    session: Session, session_path: Path, video: VideoInfo | None = None, *, alone: bool = False
+) -> Subject:
+    """All that is known of a session; it need not be tracked, and its tracks may be damaged.
+
+    alone: without the other bodies in its pictures."""
     present = _as_tracked(session)
     try:
-        poses = KnownPoses.of(session, session_path, alone=False)
+        poses = KnownPoses.of(session, session_path, alone=alone)
         results = load_results(present, session_path)
         problem = None if poses.tracks is None else outdated_words(session, poses.tracks)
     except SessionError as error:

@@ -7,12 +7,15 @@ import re
 from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
 from keypose.app.cli.main import main
+from keypose.app.export.report import report
+from keypose.app.export.report.subject import Subject, subject_of
 from keypose.app.render.painting import (
     Figure,
     cut_out,
@@ -24,6 +27,8 @@ from keypose.app.render.painting import (
 from keypose.app.render.palette import body_colour
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.view import ViewCamera
+from keypose.tracker.session import Session
+from keypose.tracker.session.annotations import KeypointCorrection
 from keypose.tracker.storage.files import load_session, save_session
 from tests.app.bodies_cases import of_two
 from tests.app.render import test_pictures as cases
@@ -106,6 +111,25 @@ def test_a_report_shows_all_bodies_unless_one_is_asked_for(
     assert jpegs
     content = np.frombuffer(base64.b64decode(jpegs[0]), np.uint8)
     assert _has(cv2.imdecode(content, cv2.IMREAD_COLOR)) is shown
+
+
+def test_a_report_judges_each_body_with_the_keypoints_that_are_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, judged = with_a_second_body(tmp_path), {}
+    said = KeypointCorrection(frame=0, joint="left_wrist", uv=(20.0, 20.0))
+    second = load_session(path).about("second").changed({"keypoint_corrections": (said,)})
+    save_session(second.about("body"), path)
+
+    def subject_seen(session: Session, *place: Any, **named: Any) -> Subject:
+        judged[session.subject.id] = session.view.keypoint_corrections
+        return subject_of(session, *place, **named)
+
+    monkeypatch.setattr(report, "subject_of", subject_seen)
+    for asked in ((), ("--body", "second")):
+        out = tmp_path / f"{len(asked)}.html"
+        assert main(["report", str(path), *asked, "--out", str(out)]) == 0
+        assert judged.pop("second") == (said,)
 
 
 def _has(picture: np.ndarray) -> bool:
