@@ -76,7 +76,8 @@ def stand(
 
     fitting: what was tracked, by segment.  up_evidence: what upright lines of the film show
     of up, in the world.  motion: as it was saved, for why it is out of date.  tilts: whether the
-    floor may, beside what is known of up; where another body stands it does not.
+    floor may, beside what is known of up, and its height is found: where another body stands both
+    stay.
     """
     _require_standable(session)
     smooth = session.settings.model_copy(update={"smooth": True})
@@ -93,7 +94,8 @@ def stand(
         k.frame for span in motions for k in keyframes_within(session, *span) if not k.soft
     )
     keyframes = tuple(_softened(k) if k.frame in softened else k for k in session.subject.keyframes)
-    stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": None})
+    floor_m = None if tilts else session.world.floor_m
+    stood = session.changed({"pins": pins, "keyframes": keyframes, "floor_m": floor_m})
     kept = without_harm(stood, pins[pinned_before:], fitting, cancelled, tilts=tilts)
     pins = kept.session.subject.pins
     return Standing(
@@ -115,11 +117,15 @@ def stand(
 def in_standing_order(
     session: Session, fittings: Mapping[str, Mapping[Span, SegmentResult]]
 ) -> list[str]:
-    """The ids of bodies as they are to be stood on one floor, that of the first: who walks farthest
-    shows best where it lies, and who stands still at a wrong distance tilts it.
+    """The ids of bodies as they are to be stood on one floor, that of the first: whose distance
+    several films show, then who walks farthest, shows best where it lies, and who stands still at a
+    wrong distance tilts it.
 
     fittings: what was tracked, by segment, by the body's id.
     """
+
+    def films(body_id: str) -> int:
+        return sum(view.keypoints is not None for view in session.about(body_id).views)
 
     def walked_m(body_id: str) -> float:
         motions = motions_of(session.about(body_id), fittings[body_id]).values()
@@ -127,7 +133,7 @@ def in_standing_order(
             (float(np.linalg.norm(np.ptp(m.ps_camera_root, axis=0))) for m in motions), default=0.0
         )
 
-    return sorted(fittings, key=lambda body_id: -round(walked_m(body_id), 1))
+    return sorted(fittings, key=lambda body_id: (-films(body_id), -round(walked_m(body_id), 1)))
 
 
 def _why_nothing_stands(
