@@ -12,9 +12,9 @@ from keypose.app.cli.change import Change, run_change
 from keypose.app.jobs.stand import BodyStood, resolved, stood_together
 from keypose.app.words.bodies import after_id
 from keypose.app.words.problems import pin_sentence
-from keypose.app.words.standing import soles_words, standing_words
+from keypose.app.words.standing import along_words, soles_words, standing_words
 from keypose.tracker.geometry.up import Disagreement
-from keypose.tracker.operations.stand import Standing
+from keypose.tracker.operations.stand import Standing, with_things_along
 from keypose.tracker.session import Session
 from keypose.tracker.session.pins import Pin
 from keypose.tracker.space.harm import Harm
@@ -30,7 +30,10 @@ def _stood(session: Session, arguments: argparse.Namespace) -> Change:
     """Stand the bodies one after the other on one floor: that which the first of them finds."""
     path, asked = arguments.session, [about.subject.id for about in about_each(session, arguments)]
     whole, standing, refused = stood_together(session, path, asked)
+    along = with_things_along(whole, standing)[1]
     for body_id, words in refused.items():
+        if body_id in along:
+            continue
         note(f"{after_id(words, body_id, session)} It was not stood on the floor.")
     results = {body_id: each.results for body_id, each in standing.items()}
     for body in whole.bodies:
@@ -42,6 +45,7 @@ def _stood(session: Session, arguments: argparse.Namespace) -> Change:
         for each in standing.values()
         for line in (*heading(each.done.session, session), *_lines(each))
     ]
+    lines += [along_words(body_id) for body_id in along]
     facts = {name: _facts(each.done, each.soles) for name, each in standing.items()}
     return Change(lambda: _saved(whole, path, results), tuple(lines), by_body(facts, session))
 

@@ -154,7 +154,30 @@ def save_found(
     if not segment_results:
         return None
     every = _with_earlier(tracked, session_path, segment_results)
-    return _solved_and_saved(tracked, every, lambda every: _save(tracked, session_path, every))
+    every = _with_bonded(tracked, session_path, every)
+    written = _solved_and_saved(tracked, every, lambda every: _save(tracked, session_path, every))
+    for body_id in tracked.bonded:
+        _solve_again(session_path, body_id)
+    return written
+
+
+def _with_bonded(session: Session, path: Path, results: Results) -> Results:
+    """The results beside those on disk of the bodies that bonds join to the posed one."""
+    there = load_session(path)
+    for body_id in session.bonded:
+        with suppress(SessionError):  # missing or damaged: then it holds nothing
+            results = results.beside(load_results(there.about(body_id), path))
+    return results
+
+
+def _solve_again(path: Path, body_id: str) -> None:
+    """Solve for a body's motion in space where a body that bonds join to it was tracked anew."""
+    file = load_session(path)
+    about = file.about(body_id)
+    results = load_results(about, path)
+    if results.unsolved(about):
+        saved = save_results(about, path, _in_space(about, results))
+        save_session(saved.about(file.subject.id), path)
 
 
 def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results | None:

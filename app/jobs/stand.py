@@ -108,6 +108,8 @@ def stood_together(
     stand finds; what became of each, and why others do not stand, by their ids. SessionError where
     nobody does; no file is written.
     """
+    from keypose.tracker.operations.stand import with_things_along  # loads what only this needs
+
     abouts = [session.about(body_id) for body_id in body_ids]
     results = {about.subject.id: _loaded(about, path) for about in abouts}
 
@@ -119,11 +121,13 @@ def stood_together(
     if not standing:
         words = (after_id(words, body_id, session) for body_id, words in refused.items())
         raise SessionError(" ".join(words))
-    bodies_stood = {
-        body_id: BodyStood(done, resolved(done.session, results[body_id], cancelled), place > 0)
-        for place, (body_id, done) in enumerate(standing.items())
-    }
-    whole = list(standing.values())[-1].session.about(session.subject.id)
+    last = list(standing.values())[-1].session
+    whole, _ = with_things_along(last.about(session.subject.id), standing)
+    bodies_stood = {}
+    for place, (body_id, done) in enumerate(standing.items()):
+        about = whole.about(body_id)
+        in_space = resolved(about, results[body_id], cancelled)
+        bodies_stood[body_id] = BodyStood(replace(done, session=about), in_space, place > 0)
     return whole, bodies_stood, refused
 
 
@@ -262,18 +266,22 @@ class StandOnFloor(Fit):
         )
 
     def apply(self, result: EachStood, state: AppState) -> tuple[AppState, str]:
+        from keypose.tracker.operations.stand import with_things_along  # loads what only this needs
+
         standing, refused, seen_upright = result
         edit = state.editing
         doc, posed = edit.doc, edit.doc.subject.id
         for body_id, done in standing.items():
             doc = _as_stood(doc.about(body_id), done)
-        after = edit.with_step(doc.about(posed), LABEL)
+        doc, along = with_things_along(doc.about(posed), standing)
+        refused = {name: why for name, why in refused.items() if name not in along}
+        after = edit.with_step(doc, LABEL)
         # Sources that disagree are shown on a card, where a person chooses one.
         up = next(iter(standing.values())).up
         found_up = (
             FoundUp(up, seen_upright.lines, seen_upright.frame, after.doc) if up.apart else None
         )
-        words = bodies_stand_words(standing, refused, body_names(edit.doc))
+        words = bodies_stand_words(standing, refused, body_names(edit.doc), along)
         return replace(state, edit=after, up=found_up), words
 
 

@@ -113,14 +113,25 @@ def _count(number: int, word: str) -> str:
 
 
 def bodies_stand_words(
-    standing: Mapping[str, Standing], refused: Mapping[str, str], names: Mapping[str, str]
+    standing: Mapping[str, Standing],
+    refused: Mapping[str, str],
+    names: Mapping[str, str],
+    along: Sequence[str] = (),
 ) -> str:
-    """What standing did, of each of several bodies by its name; and why some do not stand."""
+    """What standing did, of each of several bodies by its name; why some do not stand, and which
+    things go along."""
+    things = [along_words(names[body_id]) for body_id in along]
     if len(standing) + len(refused) == 1:
         ((_, done),) = standing.items()
-        return standing_words(done)
+        return " ".join([standing_words(done), *things])
     stand = [
         f"{names[body_id]}: {standing_words(done, beside=place > 0)}"
         for place, (body_id, done) in enumerate(standing.items())
     ]
-    return " ".join([*stand, *(f"{names[body_id]}: {why}" for body_id, why in refused.items())])
+    not_standing = [f"{names[body_id]}: {why}" for body_id, why in refused.items()]
+    return " ".join([*stand, *not_standing, *things])
+
+
+def along_words(name: str) -> str:
+    """A thing that is held goes along with who was stood."""
+    return f"{name} goes along with the hand that holds it: its keyframes give way in depth."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -134,6 +134,31 @@ def in_standing_order(
         )
 
     return sorted(fittings, key=lambda body_id: (-films(body_id), -round(walked_m(body_id), 1)))
+
+
+def with_things_along(
+    session: Session, standing: Collection[str]
+) -> tuple[Session, tuple[str, ...]]:
+    """A session in which bodies were stood, and the ids of the things that go along with those who
+    hold them: their keyframes give way in depth, so that they meet where both are now.
+
+    standing: the ids of the bodies that were stood.
+    """
+    along = [
+        bond
+        for bond in session.bonds
+        if bond.holder.body in standing and bond.held.body not in standing
+        if bond.moves != "holder"
+    ]
+    for bond in along:
+        about = session.about(bond.held.body)
+        spans = [span for span in about.spans if bond.overlaps(span)]
+        frames = {k.frame for span in spans for k in keyframes_within(about, *span)}
+        keyframes = tuple(
+            _softened(k) if k.frame in frames and not k.soft else k for k in about.subject.keyframes
+        )
+        session = about.changed({"keyframes": keyframes}).about(session.subject.id)
+    return session, tuple(dict.fromkeys(bond.held.body for bond in along))
 
 
 def _why_nothing_stands(

@@ -377,6 +377,13 @@ class Session(Plain):
         taken = there.model_copy(update={"views": views, "world": state.world})
         return taken.about(self.subject.id)
 
+    @property
+    def bonded(self) -> tuple[str, ...]:
+        """The ids of the other bodies that bonds join to the posed one."""
+        own = self.subject.id
+        ids = (each for bond in self.bonds if own in bond.bodies for each in bond.bodies)
+        return tuple(dict.fromkeys(each for each in ids if each != own))
+
     def about_called(self, name: str) -> Self:
         """The same about the body of an id, or the only one of a name; SessionError says which
         there are."""

@@ -112,14 +112,33 @@ def _is_outdated(session: Session, results: Results) -> bool:
 
 def _other_space(session: Session, results: Results) -> bool:
     """Whether the motion would be solved for in space in another way, now or at all."""
-    rows = [
+    rows = _rows(session)
+    settings = results.settings_used(session.settings)
+    as_tracked = session.changed({"settings": settings})
+    wanted = stretch_keys(as_tracked, rows, _rows_beside(as_tracked))
+    return wanted != {stretch.key for stretch in results.space}
+
+
+def _rows_beside(session: Session) -> dict[str, list[Usable]]:
+    """The segments, as they are now, of the bodies that bonds join to the posed one, by id."""
+    rows = {}
+    for body_id in session.bonded:
+        about = session.about(body_id)
+        keys = present_keys(about)
+        rows[body_id] = [row for row in _rows(about) if keys.get((row.first, row.last)) == row.key]
+    return rows
+
+
+def _rows(session: Session) -> list[Usable]:
+    """The segments that were tracked whole and in full."""
+    results = session.subject.results
+    if results is None:
+        return []
+    return [
         Usable(s.first_frame, s.last_frame, s.key or "", s.quality or results.quality)
         for s in results.segments
         if not s.missing and (s.quality or results.quality) != "preview"
     ]
-    settings = results.settings_used(session.settings)
-    as_tracked = session.changed({"settings": settings})
-    return stretch_keys(as_tracked, rows) != {stretch.key for stretch in results.space}
 
 
 def _reaches(motion: Trajectory | Tracks, frame: int) -> bool:

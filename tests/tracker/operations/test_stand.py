@@ -10,6 +10,7 @@ import pytest
 
 from keypose.tracker.body.body import preset
 from keypose.tracker.body.pose import joint_names
+from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.body.trajectory import Trajectory
 from keypose.tracker.errors import SessionError
 from keypose.tracker.geometry.camera_path import CameraPath
@@ -18,18 +19,21 @@ from keypose.tracker.geometry.up import UpEvidence, UpSource
 from keypose.tracker.operations.find_up import estimated_up
 from keypose.tracker.operations.kept_pins import without_harm
 from keypose.tracker.operations.solve_space import films_in_space, solved
-from keypose.tracker.operations.stand import Standing, stand
-from keypose.tracker.session import Session
+from keypose.tracker.operations.stand import Standing, stand, with_things_along
+from keypose.tracker.session import Keyframe, Session
 from keypose.tracker.session.annotations import Drafted
+from keypose.tracker.session.bodies import TrackedBody
+from keypose.tracker.session.bonds import Bond, BondEnd
 from keypose.tracker.session.camera_motion import CameraMotion, CameraPiece
 from keypose.tracker.session.pins import Pin
-from keypose.tracker.session.results import Results
+from keypose.tracker.session.results import Results as SavedResults
 from keypose.tracker.session.settings import TrackSettings
 from keypose.tracker.session.views import Clock
 from keypose.tracker.solver.projection import image_points
 from keypose.tracker.space.soles import Soles, measured_soles, soles_of
 from keypose.tracker.storage import stretches as solves
 from keypose.tracker.storage.fingerprints import Span
+from keypose.tracker.storage.results import Results
 from keypose.tracker.storage.stretches import stretches
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app.film_beside_cases import with_film
@@ -353,7 +357,7 @@ def test_nothing_is_pinned_where_the_way_of_the_camera_has_no_scale() -> None:
     assert all(pin.last_frame < 45 for pin in done.session.subject.pins)
 
 
-TRACKED = Results(tracks="tracks-0123456789ab.npz", method="keypose", quality="full", segments=())
+TRACKED = SavedResults(tracks="tracks-0123456789ab.npz", method="keypose", quality="full", segments=())
 
 
 def but(**changes: Any) -> dict[Span, SegmentResult]:
@@ -474,3 +478,40 @@ def test_feet_on_the_floor_move_the_body_less_in_the_film_of_the_side_if_the_ses
         ]
         moved.append(np.linalg.norm(uv[0] - uv[1], axis=-1)[:, JOINTS].mean())
     assert moved[1] < 0.5 * moved[0]
+
+
+def test_a_ball_in_a_hand_goes_along_and_stays_there() -> None:
+    doc, ball = session(), preset("ball")
+    hand = doc.subject.body.index("left_hand")
+    Ts = MOTION.transforms(SHOWN.skeleton)[:, hand]
+    where = Trajectory(MOTION.first_frame, Ts[:, None, :3, :3], Ts[:, :3, 3])
+    thrown = tuple(
+        Keyframe.of(Skeleton.of(ball), where.pose(frame), frame, frame / 30) for frame in KEYS
+    )
+    ends = [
+        BondEnd(body=body_id, part=part, point_m=(0.0, 0.0, 0.0))
+        for body_id, part in ((doc.subject.id, "left_hand"), ("ball", ball.names[0]))
+    ]
+    bond = Bond(
+        holder=ends[0], held=ends[1], first_frame=KEYS[0], last_frame=KEYS[-1], moves="held"
+    )
+    body = TrackedBody(id="ball", body=ball, keyframes=thrown)
+    doc = doc.model_copy(update={"bodies": (doc.subject, body), "bonds": (bond,)})
+    done = stand(doc, tracked(doc, MOTION))
+    whole, along = with_things_along(done.session, {doc.subject.id})
+    assert along == ("ball",)
+    results = Results()
+    for body_id, motion in ((doc.subject.id, MOTION), ("ball", where)):
+        for segment in tracked(whole.about(body_id), motion).values():
+            results = results.with_result(segment)
+    paths = {}
+    for body_id in (doc.subject.id, "ball"):
+        about = whole.about(body_id)
+        for stretch in results.unsolved(about):
+            results = results.with_space(solved(about, stretch))
+        (stretch,) = results.space(about)
+        Ts_body = stretch.motion.transforms(Skeleton.of(about.subject.body))
+        paths[body_id] = Ts_body[:, hand if body_id != "ball" else 0, :3, 3]
+    moved_m = np.linalg.norm(paths[doc.subject.id] - where.ps_camera_root, axis=1)
+    assert moved_m.max() > 0.03
+    assert np.linalg.norm(paths[doc.subject.id] - paths["ball"], axis=1).max() < 0.01

@@ -54,6 +54,11 @@ class Results:
         )
         return Results(kept, self.in_space)
 
+    def beside(self, results: Results) -> Results:
+        """These and those of another body."""
+        by_key = {**results.by_key, **self.by_key}
+        return Results(by_key, {**results.in_space, **self.in_space})
+
     def with_space(self, space_result: SpaceResult) -> Results:
         """These and a stretch's motion in space."""
         others = {key: old for key, old in self.in_space.items() if key != space_result.key}
@@ -83,9 +88,7 @@ class Results:
 
     def _stretches(self, session: Session) -> list[SegmentRun]:
         """What there is to solve of the body that is posed, beside those that bonds join it to."""
-        own = session.subject.id
-        joined = {each for bond in session.bonds if own in bond.bodies for each in bond.bodies}
-        beside = {each: self._as_tracked(session.about(each)) for each in joined - {own}}
+        beside = {each: self._as_tracked(session.about(each)) for each in session.bonded}
         return stretches(session, self._as_tracked(session), beside)
 
     def _as_tracked(self, session: Session) -> dict[Span, SegmentResult]:

@@ -32,6 +32,19 @@ TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")
 
 
 def load_results(session: Session, session_path: Path) -> Results:
+    """The results of the body that is posed, and those of the bodies that bonds join to it, beside
+    which its motion in space is solved for; of these what cannot be read is left out.
+
+    SessionError in one sentence when the body's own file is missing or damaged.
+    """
+    results = _own_results(session, session_path)
+    for body_id in session.bonded if session.subject.results is not None else ():
+        with suppress(SessionError):
+            results = results.beside(_own_results(session.about(body_id), session_path))
+    return results
+
+
+def _own_results(session: Session, session_path: Path) -> Results:
     """The segments in the session's tracks file, none when it has not been tracked yet.
 
     Those that were tracked for other poses, another body and so on are kept but do not fit.
@@ -67,7 +80,7 @@ def load_all_results(session: Session, session_path: Path) -> tuple[Results, str
     problem = ""
     for body in session.bodies:
         try:
-            results = load_results(session.about(body.id), session_path)
+            results = _own_results(session.about(body.id), session_path)
         except SessionError as error:
             problem = problem or str(error)
         else:
