@@ -9,6 +9,7 @@ which the body has moved are looked at again.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from keypose.tracker.geometry.rotations import Array
 from keypose.tracker.keypoints.blazepose import NAMES
 from keypose.tracker.keypoints.detect import Detector, Frame, Rows
-from keypose.tracker.keypoints.keypoints import Keypoints
+from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.outliers import TRUNK
 from keypose.tracker.keypoints.region import Region
 
@@ -29,6 +30,10 @@ SELDOM: Final = 8
 """... and one in so many where it stands."""
 FIRST_LOOKS: Final = 2
 """The region where it begins is looked at so often at most."""
+COINCIDE: Final = 0.25
+"""Joints of two people that are so far apart in the median, in heights of the smaller one, lie on
+each other."""
+_JOINTS: Final = [NAMES.index(name) for name in JOINTS]
 _TRUNK: Final = [NAMES.index(name) for name in TRUNK]
 
 
@@ -83,6 +88,26 @@ def _back_to(at: int, keypoints: Keypoints, step: int) -> list[int]:
                 continue
         numbers.append(number)
     return numbers[::-1]
+
+
+def coincidences(people: Sequence[Keypoints]) -> list[tuple[int, ...]]:
+    """Of each of several people the frames from which on their joints lie on those of another one:
+    from then on each may be the other.
+
+    people: over the same frames.
+    """
+    begins: list[set[int]] = [set() for _ in people]
+    uv_of_people = [keypoints.uv[:, _JOINTS] for keypoints in people]
+    heights = [float(np.nanmedian(np.ptp(uv[..., 1], axis=1))) for uv in uv_of_people]
+    for a, b in combinations(range(len(people)), 2):
+        apart = np.linalg.norm(uv_of_people[a] - uv_of_people[b], axis=-1)
+        median = np.nan_to_num(np.median(apart, axis=1), nan=np.inf)  # of frames they are both in
+        coincide = median < COINCIDE * min(heights[a], heights[b])
+        first_rows = np.flatnonzero(np.diff(coincide.astype(int), prepend=0) > 0)
+        frames = (first_rows + people[a].first_frame).tolist()
+        begins[a].update(frames)
+        begins[b].update(frames)
+    return [tuple(sorted(each)) for each in begins]
 
 
 def trunk_distance(first: Array, second: Array) -> float:

@@ -58,6 +58,9 @@ NEWEST: Final = 0.3
 LIES_ON: Final = 0.1
 """Joints lie on a body from which they are so far away in the median, a share of the region's
 side."""
+MOST_HIDDEN: Final = 0.6
+"""Of whom more of the joints lie where others were painted out, nobody is: a network sees a person
+in the grey of one."""
 _NOWHERE: Final = Region(0.0, 0.0, 1.0)
 """Where somebody is who was not seen yet."""
 _JOINTS: Final = [NAMES.index(name) for name in JOINTS]
@@ -279,6 +282,16 @@ def painted_out(
     return painted
 
 
+def _under(uv: Array, masks: Sequence[PersonMask], picture: NDArray[np.uint8]) -> float:
+    """The share of joints (33, 2) that lie where some of the people of masks are."""
+    height, width = picture.shape[:2]
+    at = np.nan_to_num(uv[_JOINTS]).round().astype(int)
+    inside = (at >= 0).all(axis=1) & (at < (width, height)).all(axis=1)
+    x, y = np.clip(at, 0, (width - 1, height - 1)).T
+    covered = [mask.in_picture(width, height)[y, x] > LIKELY for mask in masks]
+    return float((inside & np.any(covered, axis=0)).mean()) if masks else 0.0
+
+
 def _shows_same(first: Start, second: Start) -> bool:
     reach = LIES_ON * min(first.region.side, second.region.side)
     return _apart(first.seen.uv[0], second.seen.uv[0]) < reach
@@ -372,7 +385,8 @@ class _PeopleRun:
         masks = [mask for start in others for mask in start.seen.masks if mask is not None]
         shown = painted_out(picture, masks, None)
         stretch = Rows.begun(seed.region, self.network, shown, MOST_LOOKS_AT_SEED).stretch()
-        if others and stretch.lost_for[0]:  # somebody who was painted out?
+        hidden = others and _under(stretch.uv[0], masks, shown) > MOST_HIDDEN
+        if hidden or (others and stretch.lost_for[0]):  # somebody who was painted out?
             stretch = Rows.begun(seed.region, self.network, picture, MOST_LOOKS_AT_SEED).stretch()
         if stretch.lost_for[0]:
             return None

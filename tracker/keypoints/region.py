@@ -42,8 +42,8 @@ def require_apart(boxes: Sequence[Box], frame: int) -> None:
 def around_the_same(frame: int) -> KeypointError:
     """What is said of two boxes that lead to one person."""
     return KeypointError(
-        f"Two boxes at frame {frame} are around the same person: draw one box around each, or "
-        "choose a frame in which nobody is hidden."
+        f"Two boxes at frame {frame} are around the same person, or one is around somebody who has "
+        "a body already: draw one box around each, or choose a frame in which nobody is hidden."
     )
 
 

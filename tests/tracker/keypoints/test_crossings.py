@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
-from keypose.tracker.keypoints.crossings import person_changes
+from keypose.tracker.keypoints.crossings import coincidences, person_changes
 from keypose.tracker.keypoints.detect import Seed, detect
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints.keypoint_cases import HEIGHT, NO_MASK, SIDE, numbered
 
@@ -92,3 +94,36 @@ def test_what_the_report_raises_ends_the_work() -> None:
 
     with pytest.raises(InterruptedError):
         person_changes(numbered, keypoints, [0], street, leave)
+
+
+def walking(x_of: Callable[[int], float], frames: int = 30) -> Keypoints:
+    """Somebody 100 px tall at these places of the picture."""
+    rng = np.random.default_rng(5)
+    shape = rng.uniform(-1, 1, (len(NAMES), 2)) * (20, 50)
+    uv = np.array([shape + np.array([x_of(frame), 200.0]) for frame in range(frames)])
+    return Keypoints(10, NAMES, uv, np.ones(uv.shape[:2]))
+
+
+@pytest.mark.parametrize(
+    ("paths", "begins"),
+    [
+        ((lambda n: 100.0, lambda n: 300.0), ((), ())),
+        ((lambda n: 100.0, lambda n: 10.0 * n), ((18,), (18,))),
+        ((lambda n: 100.0, lambda n: 300.0 - 10.0 * n), ((28,), (28,))),
+        ((lambda n: 100.0, lambda n: 105.0), ((10,), (10,))),
+        ((lambda n: 100.0, lambda n: 100.0 + 60.0 * (n % 15 > 4)), ((10, 25), (10, 25))),
+        ((lambda n: 100.0, lambda n: 300.0, lambda n: 105.0), ((10,), (), (10,))),
+    ],
+    ids=["apart", "passing", "the other way", "always", "twice", "of three"],
+)
+def test_from_where_two_lie_on_each_other_each_may_be_the_other(
+    paths: tuple[Callable[[int], float], ...], begins: tuple[tuple[int, ...], ...]
+) -> None:
+    assert coincidences([walking(path) for path in paths]) == list(begins)
+
+
+def test_while_one_of_them_is_unseen_nobody_lies_on_anybody() -> None:
+    first, second = walking(lambda n: 100.0), walking(lambda n: 105.0)
+    uv = second.uv.copy()
+    uv[:12] = np.nan
+    assert coincidences([first, replace(second, uv=uv)]) == [(22,), (22,)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -233,6 +233,26 @@ def test_two_boxes_around_one_person_are_told() -> None:
     street = Street((waiting,))
     seeds = [[seed(0, waiting)], [Seed(0, Region(172.0, MIDDLE_Y, SIDE))]]
     with pytest.raises(KeypointError, match="Two boxes at frame 0 are around the same person"):
+        detect_people(street.picture, (0, FRAMES - 1), seeds, street)
+
+
+class GreyStreet(Street):
+    """One whose network takes the grey of who was painted out for a person of their size."""
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        rows, columns = np.nonzero(picture[..., 0] == GREY)
+        if len(rows) < LEAST_PIXELS:
+            return super().infer(picture, region)
+        x = float(columns.mean()) + 0.15 * SIDE  # elsewhere than who was painted out
+        seen = super().infer(np.full_like(picture, 200), region)
+        narrow = OFFSETS * (0.2, -0.8) + np.array([columns.mean(), MIDDLE_Y])
+        return replace(seen, uv=narrow, next=Region(x, MIDDLE_Y, SIDE))
+
+
+def test_whoever_is_seen_in_the_grey_of_another_is_nobody_new() -> None:
+    street = GreyStreet((waiting,))
+    seeds = [[seed(0, waiting)], [Seed(0, Region(172.0, MIDDLE_Y, SIDE))]]
+    with pytest.raises(KeypointError, match="or one is around somebody who has a body already"):
         detect_people(street.picture, (0, FRAMES - 1), seeds, street)
 
 

@@ -357,7 +357,9 @@ def test_nothing_is_pinned_where_the_way_of_the_camera_has_no_scale() -> None:
     assert all(pin.last_frame < 45 for pin in done.session.subject.pins)
 
 
-TRACKED = SavedResults(tracks="tracks-0123456789ab.npz", method="keypose", quality="full", segments=())
+TRACKED = SavedResults(
+    tracks="tracks-0123456789ab.npz", method="keypose", quality="full", segments=()
+)
 
 
 def but(**changes: Any) -> dict[Span, SegmentResult]:

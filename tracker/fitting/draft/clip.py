@@ -41,6 +41,7 @@ from keypose.tracker.fitting.draft.whole import Whole
 from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.camera_path import CameraPath
 from keypose.tracker.geometry.steady import SteadyCamera
+from keypose.tracker.keypoints.crossings import coincidences
 from keypose.tracker.keypoints.detect import Detector, Frame, Kept, Progress, Seed
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.lifted_depth import DepthLifter
@@ -182,7 +183,14 @@ def draft_people(
         report(DraftProgress("keypoints", count + done, count + expected))
 
     plain = again or network
-    changes = people_changes(frame, people, [at], plain, looked_again, every_second=every_second)
+    changes = [
+        {*followed, *coinciding}
+        for followed, coinciding in zip(
+            people_changes(frame, people, [at], plain, looked_again, every_second=every_second),
+            coincidences(people),
+            strict=True,
+        )
+    ]
 
     def posing(index: int, progress: DraftProgress) -> None:
         """Of all people, one after another."""
