@@ -172,3 +172,36 @@ def test_a_copy_of_several_bodies_is_refused_before_anything_is_written(
     assert "leave --out away" in capsys.readouterr().err
     assert path.read_bytes() == before
     assert not (path.parent / "copy").exists()
+
+
+def add_unposed_before(path: Path) -> None:
+    """A body without a pose stands before those that are tracked."""
+    session = load_session(path)
+    unposed = session.bodies[0].model_copy(update={"id": "ahead", "keyframes": (), "results": None})
+    save_session(session.model_copy(update={"bodies": (unposed, *session.bodies)}), path)
+
+
+@pytest.mark.parametrize("command", OF_ALL_DRAWN)
+def test_a_first_body_without_a_pose_does_not_keep_the_others_from_being_drawn(
+    command: str, path: Path
+) -> None:
+    add_unposed_before(path)
+    pictures = []
+    for name, asked in (("all", ()), ("alone", ("--body", "body"))):
+        more = [word.format(out=path.parent / name) for word in OF_ONE[command]]
+        assert done(command, path, *more, *asked) == 0
+        pictures.append(Path(more[-1]).read_bytes())
+    assert pictures[0] != pictures[1]
+
+
+def test_a_shot_draws_the_bodies_that_have_a_pose_at_its_frame(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(path)
+    first = session.bodies[0].model_copy(
+        update={"keyframes": session.bodies[0].keyframes[:1], "results": None}
+    )
+    save_session(session.with_body(first), path)
+    out = path.with_name("out.png")
+    assert done("shot", path, "--frame", "1", "--out", out) == 0
+    assert done("shot", path, "--frame", "1", "--out", out, "--overwrite", "--body", "body") == 2
