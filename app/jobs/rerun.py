@@ -47,7 +47,7 @@ def why_untrackable(session: Session, session_path: Path) -> str:
 
 def _of_film(session: Session, session_path: Path) -> str:
     count = "one keyframe" if session.subject.keyframes else "no keyframes"
-    words = f"{session_path.name} has {count}; tracking needs two."
+    words = f"{session.subject_in(session_path.name)} has {count}; tracking needs two."
     if not session.subject.drafts:
         return words
     accept = f"keypose draft {shlex.quote(str(session_path))} --accept"
@@ -58,8 +58,8 @@ def _of_surfaces(session: Session, session_path: Path) -> str:
     if session.subject.keyframes:
         return f"{session_path.name} has only one mesh: there is no motion to fit."
     return (
-        f"{session_path.name} has no keyframe: pose the body in one of the meshes first, with "
-        f"`keypose open {shlex.quote(str(session_path))}`."
+        f"{session.subject_in(session_path.name)} has no keyframe: pose the body in one of the "
+        f"meshes first, with `keypose open {shlex.quote(str(session_path))}`."
     )
 
 
