@@ -129,6 +129,7 @@ def test_a_report_has_each_body_under_its_name(path: Path) -> None:
     out = path.parent / "report.html"
     assert done("report", path, "--out", out) == 0
     page = out.read_text("utf-8")
+    assert "body box, 1 part<" in page
     assert page.index("body (box)</h1>") < page.index("second (box)</h1>")
     assert done("report", path, "--out", out, "--overwrite", "--body", "second") == 0
     assert page.count("<h1") == 2
