@@ -8,7 +8,6 @@ from typing import Any
 
 from keypose.app.cli.bodies import about_each, by_body, heading
 from keypose.app.cli.json_output import print_json
-from keypose.app.jobs.rerun import why_untrackable
 from keypose.app.words.review import (
     answers_words,
     noise_floor_words,
@@ -16,6 +15,7 @@ from keypose.app.words.review import (
     remaining_words,
     row_of_place,
 )
+from keypose.app.words.untrackable import why_untrackable
 from keypose.tracker.review.places import Place, Review, review_of
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session
