@@ -14,11 +14,12 @@ KeyposeError
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
+    from pydantic_core import ErrorDetails
 
 
 LONGEST_WORDS = 600
@@ -83,16 +84,43 @@ _OBJECT = "should be an object, with a name for every value"
 """What is said where pydantic would name a class of this program."""
 
 
+ID_PATTERN = "^[a-z0-9_-]{1,40}$"
+"""Of what names a view or a body in a session."""
+
+_WORDS: Mapping[str, str] = {
+    "too_short": "should hold at least {min_length}, not {actual_length}",
+    "too_long": "should hold at most {max_length}, not {actual_length}",
+}
+"""What is said where pydantic would speak of its own types, by its name of the problem."""
+
+_PATTERNS: Mapping[str, str] = {
+    ID_PATTERN: "should be 1 to 40 lower-case letters, digits, hyphens and underscores",
+}
+
+
 def one_sentence(error: ValidationError) -> str:
     """The first problem as a sentence that names the field and says what is allowed."""
     first = error.errors(include_url=False)[0]
     place = ".".join(str(step) for step in first["loc"])
-    text = _OBJECT if "class_name" in first.get("ctx", {}) else first["msg"]
-    text = text.removeprefix("Value error, ").rstrip(".")
+    text = _plain(first).removeprefix("Value error, ").rstrip(".")
+    for step in first["loc"]:
+        text = text.removeprefix(f"{step}: ")
     text = text[:1].lower() + text[1:]
     more = error.error_count() - 1
     rest = f" (and {more} more)" if more else ""
     return f"{place}: {text}{rest}." if place else f"{text[:1].upper()}{text[1:]}{rest}."
+
+
+def _plain(problem: ErrorDetails) -> str:
+    """A problem in pydantic's words, or in those of this program where they name its insides."""
+    facts = problem.get("ctx", {})
+    if "class_name" in facts:
+        return _OBJECT
+    if facts.get("pattern") in _PATTERNS:
+        return _PATTERNS[facts["pattern"]]
+    if problem["type"] in _WORDS:
+        return _WORDS[problem["type"]].format(**facts)
+    return problem["msg"]
 
 
 def listed(names: Sequence[str]) -> str:

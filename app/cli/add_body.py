@@ -8,7 +8,7 @@ from pathlib import Path
 from keypose.app.cli.change import Change, run_change
 from keypose.app.document.defaults import read_defaults
 from keypose.tracker.body.body import Body, load_body, preset
-from keypose.tracker.errors import FormatError
+from keypose.tracker.errors import FormatError, listed
 from keypose.tracker.session import Session
 from keypose.tracker.session.bodies import TrackedBody, bodies_words, id_and_name
 
@@ -26,8 +26,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _added(session: Session, arguments: argparse.Namespace) -> Change:
     body = _body(arguments.preset)
     after, added = session.with_new_body(body, arguments.name or body.name)
+    verb = "Would add" if arguments.dry_run else "Added"
     lines = (
-        f"Added {id_and_name(added)}, {_counted(len(body.parts), 'part')}, not posed yet.",
+        f"{verb} {id_and_name(added)}, {_counted(len(body.parts), 'part')}, not posed yet.",
         _bodies_line(after),
     )
     return Change(lambda: after, lines, {"added": added.id, **_facts(after)})
@@ -43,15 +44,21 @@ def _body(named: str | None) -> Body:
 def _removed(session: Session, arguments: argparse.Namespace) -> Change:
     gone = session.about_called(arguments.remove).subject
     after = session.without_body(gone.id)
-    lines = (f"Removed {id_and_name(gone)}: {_held(gone)}.", _bodies_line(after))
-    return Change(lambda: after, lines, {"removed": gone.id, **_facts(after)})
+    holds = len(session.bonds) - len(after.bonds)
+    verb = "Would remove" if arguments.dry_run else "Removed"
+    lines = (f"{verb} {id_and_name(gone)}: {_held(gone, holds)}.", _bodies_line(after))
+    facts = {"removed": gone.id, "removed_bonds": holds, **_facts(after)}
+    return Change(lambda: after, lines, facts)
 
 
-def _held(body: TrackedBody) -> str:
-    """What goes with a body."""
-    motion = "its tracked motion" if body.results is not None else "no tracked motion"
-    keyframes = _counted(len(body.keyframes), "keyframe")
-    return f"{keyframes}, {_counted(len(body.drafts), 'draft')} and {motion}"
+def _held(body: TrackedBody, holds: int) -> str:
+    """What goes with a body, and how many of its holds, where it has any."""
+    parts = [
+        _counted(len(body.keyframes), "keyframe"),
+        _counted(len(body.drafts), "draft"),
+        "its tracked motion" if body.results is not None else "no tracked motion",
+    ]
+    return listed([*parts, *([_counted(holds, "hold")] if holds else [])])
 
 
 def _bodies_line(session: Session) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
 from keypose.app.export.motion_formats import MotionFormat, formats_of
-from keypose.app.orders.film import FILM_ORDERS
+from keypose.app.orders.film import FILM_ORDERS, require_whom
 from keypose.app.orders.order import Option, options_of, require_one_of_each_group
 from keypose.app.orders.values import Choice, Misread, Switch, Value, Whole
 from keypose.tracker.errors import FormatError, listed
@@ -267,7 +267,9 @@ def add_film_orders(command: argparse.ArgumentParser) -> None:
 
 def film_orders_of(arguments: argparse.Namespace) -> dict[str, Any]:
     """What is said of a film, by the fields of `FilmToDraft`."""
-    return {name: order_of(order, arguments) for name, order in FILM_ORDERS.items()}
+    said: dict[str, Any] = {name: order_of(order, arguments) for name, order in FILM_ORDERS.items()}
+    require_whom(said["order"])
+    return said
 
 
 def require_of(

@@ -247,7 +247,8 @@ def _found(entry: Entry) -> Iterator[str]:
     if summary.places:
         yield "  Look here first:"
     for place in summary.places[:MOST_PLACES]:
-        yield f"    frame {place.frame}: {place.part}, {place.size}, {place.reason}"
+        of_body = "" if place.body is None else f" of {place.body}"
+        yield f"    frame {place.frame}{of_body}: {place.part}, {place.size}, {place.reason}"
     if len(summary.places) > MOST_PLACES:
         yield f"    and {len(summary.places) - MOST_PLACES} more: keypose review {summary.session}"
 

@@ -3,35 +3,51 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from keypose.app.cli.arguments import note, order_of
 from keypose.app.orders.bodies import EachBody, OneBody
 from keypose.tracker.session import Session
-from keypose.tracker.session.bodies import bodies_words, id_and_name
+from keypose.tracker.session.bodies import TrackedBody, bodies_words, id_and_name
 
 
-def about_one(session: Session, arguments: argparse.Namespace) -> Session:
+def about_one(
+    session: Session,
+    arguments: argparse.Namespace,
+    is_preferred: Callable[[TrackedBody], bool] = lambda body: True,
+) -> Session:
     """The session about the body that is asked for alone; SessionError where it is not there. The
-    first is taken where none is asked for, which is said where there are several."""
+    first of those preferred is taken where none is asked for, which is said where there are
+    several."""
     name = order_of(OneBody, arguments).body
     if name is not None:
         return session.about_called(name)
+    about = session.about(_first(session, is_preferred).id)
     if len(session.bodies) > 1:
         note(
             f"the session has {len(session.bodies)} bodies, {bodies_words(session.bodies)}. This "
-            f"is {session.subject.id}; choose with --body."
+            f"is {about.subject.id}; choose with --body."
         )
-    return session.about(session.subject.id)
+    return about
 
 
 def about_drawn(session: Session, arguments: argparse.Namespace) -> tuple[Session, bool]:
-    """The session about the body that is drawn in full, the first where none is asked for; and
-    whether it is drawn alone. SessionError where it is not there."""
+    """The session about the body that is drawn in full, the first with a pose where none is asked
+    for; and whether it is drawn alone. SessionError where it is not there."""
     name = order_of(EachBody, arguments).body
-    about = session.about(session.subject.id) if name is None else session.about_called(name)
-    return about, name is not None
+    if name is not None:
+        return session.about_called(name), True
+    return session.about(_first(session, _has_poses).id), False
+
+
+def _has_poses(body: TrackedBody) -> bool:
+    return bool(body.keyframes) or body.results is not None
+
+
+def _first(session: Session, is_preferred: Callable[[TrackedBody], bool]) -> TrackedBody:
+    """The body that is posed, where it is preferred or none is; else the first that is."""
+    return next(filter(is_preferred, (session.subject, *session.bodies)), session.subject)
 
 
 def about_each(session: Session, arguments: argparse.Namespace) -> list[Session]:

@@ -112,7 +112,7 @@ def _accept_drafts(arguments: argparse.Namespace) -> int:
         accepted = {body.id: _proposed(session, body.id) for body in session.bodies}
         flipped = {body.id: flipped_drafts(session.about(body.id)) for body in session.bodies}
         if not any(accepted.values()):
-            raise SessionError(f"{path.name} has no drafts to accept: draft its film first.")
+            raise SessionError(_nothing_to_accept(session, path.name))
         save_session(_with_accepted(session, accepted), path)
     if arguments.json:
         facts = {
@@ -131,6 +131,15 @@ def _accept_drafts(arguments: argparse.Namespace) -> int:
             print(flipped_words(flipped[body_id]))
     print(f"Written: {path}")
     return DONE
+
+
+def _nothing_to_accept(session: Session, name: str) -> str:
+    """Why there is nothing to accept: no drafts, or none of those proposed."""
+    count = sum(len(body.drafts) for body in session.bodies)
+    if not count:
+        return f"{name} has no drafts to accept: draft its film first."
+    drafts = "1 other draft" if count == 1 else f"{count} other drafts"
+    return f"{name} has no proposed drafts left to accept; confirm its {drafts} in the page."
 
 
 def _of_bodies(facts: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

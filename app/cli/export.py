@@ -16,6 +16,7 @@ from keypose.app.export.motion_files import (
     outdated_files,
     sampling_sentences,
     saved_motions,
+    unknown_errors_words,
 )
 from keypose.app.export.motion_formats import require_meant
 from keypose.app.orders.motion import MotionOrder
@@ -70,6 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
     note(for_model.words if for_model else None)
     for words in (*refused, *sampling_sentences(bodies, order, arguments.format)):
         note(words)
+    for format_name in arguments.format:
+        note(unknown_errors_words(format_name, files, [body.body_id for body in bodies]))
     note(unscaled_words(session))
     return 0
 

@@ -29,7 +29,8 @@ def run(arguments: argparse.Namespace) -> int:
     order = order_of(FilmOrder, arguments)
     require_tint(session, order.tint)
     poses = KnownPoses.of(session, arguments.session, alone=alone)
-    film = film_of(arguments.session.name, poses, order)
+    name = arguments.session.name
+    film = film_of(session.subject_in(name) if alone else name, poses, order)
     require_frame(session, film.last)
     with _video(session, arguments.session, film) as video:
         facts = write_film(

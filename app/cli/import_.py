@@ -405,8 +405,7 @@ def _print_drafts(
         print(f"Too few keypoints: {', '.join(map(str, empty))}")
     for words in note_words(draft_import.notes):
         note(words)
-    if drafts:
-        print(f"Written: {arguments.session}")
+    print(f"Written: {arguments.session}" if drafts else "Nothing was changed.")
 
 
 # --- names

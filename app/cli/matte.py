@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from keypose.app.cli.arguments import note, order_of
+from keypose.app.cli.bodies import about_one
 from keypose.app.cli.json_output import print_json
 from keypose.app.export.drawable import require_frame
 from keypose.app.export.matte import (
@@ -20,12 +21,14 @@ from keypose.app.export.matte import (
 from keypose.app.export.picture_names import picture_names
 from keypose.app.orders.drawing import MatteOrder
 from keypose.tracker.errors import FormatError
+from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.storage.atomic import require_absent, require_folder, sweep
 from keypose.tracker.storage.files import load_session, open_video_of
 
 
 def run(arguments: argparse.Namespace) -> int:
-    session, out = load_session(arguments.session), arguments.out
+    whole, out = load_session(arguments.session), arguments.out
+    session = about_one(whole, arguments, lambda subject: is_persons(subject.body))
     order = order_of(MatteOrder, arguments)
     first, last = frames_of(session, order)
     require_frame(session, last)

@@ -12,6 +12,7 @@ from typing import Any
 from keypose.app.cli.bodies import about_one
 from keypose.app.cli.change import Change, run_change
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible
+from keypose.app.words.problems import off_words
 from keypose.tracker.body.skeleton import Skeleton
 from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Reduction
@@ -119,14 +120,10 @@ def _lines(
     yield f"Frames: {', '.join(map(str, reduction.frames))}"
     if reducible_motion.parts is None:
         yield "The motion between them stays as it is, for tracking to start from."
-    yield f"Interpolated alone, no point of the body is off by more than {_off(facts)}."
+    off = off_words(facts["off_cm"], facts["off_px"])
+    yield f"Interpolated alone, no point of the body is off by more than {off}."
     if facts["frames_without_a_pose"]:
         yield f"{facts['frames_without_a_pose']} frames have no pose; keyframes lead over them."
-
-
-def _off(facts: Mapping[str, Any]) -> str:
-    off = {"cm": facts["off_cm"], "px": facts["off_px"]}
-    return " and ".join(f"{value:.2g} {unit}" for unit, value in off.items() if value is not None)
 
 
 def _facts(session: Session, reducible_motion: Reducible, reduction: Reduction) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from keypose.app.cli.bodies import about_each, by_body, heading
@@ -14,6 +15,7 @@ from keypose.app.words.review import (
     remaining_words,
     row_of_place,
 )
+from keypose.app.words.untrackable import why_untrackable
 from keypose.tracker.review.places import Place, Review, review_of
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session
@@ -41,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
             *heading(about, session),
             *_to_track(review, outdated),
             *_table(review, goal),
+            *_remaining(about, review, goal, path),
         ):
             print(line)
     return 0
@@ -89,14 +92,27 @@ def _table(review: Review, goal: int) -> list[str]:
     rows = [row_of_place(place) for place in places]
     head = ("frame", "part", "expected error", "reason")
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(3)]
-    lines = [
+    return [
         f"{row[0]:>{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]:<{widths[2]}}  {row[3]}"
         for row in ([head] if rows else []) + rows
     ]
-    if review.answered:
-        lines.append(answers_words(review.answered))
+
+
+def _nothing_yet(session: Session, review: Review, path: Path) -> list[str]:
+    """Why a body without a motion has no place to review, where that is not said yet."""
+    if not session.spans:
+        return [why_untrackable(session, path)]
+    return [] if review.untracked else ["Not tracked yet."]
+
+
+def _remaining(session: Session, review: Review, goal: int, path: Path) -> list[str]:
+    """What was answered and what is left, or why there is nothing to review yet."""
+    answers = [answers_words(review.answered)] if review.answered else []
+    count = len(review.above(goal))
+    if not count and session.subject.results is None:
+        return [*answers, *_nothing_yet(session, review, path)]
     so_far = " so far" if review.untracked else ""
     return [
-        *lines,
-        f"{remaining_words(len(places), goal)}{noise_floor_words(review, goal)}{so_far}.",
+        *answers,
+        f"{remaining_words(count, goal)}{noise_floor_words(review, goal)}{so_far}.",
     ]

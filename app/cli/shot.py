@@ -30,6 +30,8 @@ from keypose.tracker.storage.tracks import load_tracks
 def run(arguments: argparse.Namespace) -> int:
     whole, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     session, alone = about_drawn(whole, arguments)
+    if not alone:
+        session = _about_posed_at(session, arguments.session, arguments.frame)
     order = order_of(PictureOrder, arguments)
     require_tint(session, order.tint)
     _require_size(session, order)
@@ -40,6 +42,13 @@ def run(arguments: argparse.Namespace) -> int:
     write_file(out, content, overwrite=arguments.overwrite)
     print_written([out], arguments.json)
     return 0
+
+
+def _about_posed_at(session: Session, session_path: Path, frame: int) -> Session:
+    """The session about a body that has a pose at the frame, where one has: its own if it can."""
+    each = (session, *(session.about(body.id) for body in session.bodies))
+    posed = (about for about in each if KnownPoses.of(about, session_path).pose(frame) is not None)
+    return next(posed, session)
 
 
 def _require_size(session: Session, order: PictureOrder) -> None:

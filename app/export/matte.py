@@ -107,7 +107,7 @@ def matte_of(
     name: of the session's file.  SessionError where there is nothing to start from, or nobody.
     """
     first, last = frames_of(session, order)
-    seeds = _seeds(session, name, first, last)
+    seeds = _seeds(session, session.subject_in(name), first, last)
     count, looks = last - first + 1, 0
 
     def looked(now: Progress) -> None:

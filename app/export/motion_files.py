@@ -212,6 +212,20 @@ def outdated_files(
     return [name for name in of_bodies if name not in written]
 
 
+def unknown_errors_words(
+    format_name: MotionFormat, written: Collection[str], body_ids: Sequence[str]
+) -> str | None:
+    """Of which bodies a file of expected errors lacks that others have; None where none does."""
+    lacking = outdated_files(format_name, written, body_ids)
+    if not lacking or len(lacking) == len(outdated_files(format_name, (), body_ids)):
+        return None
+    verb = "was" if len(lacking) == 1 else "were"
+    return (
+        f"{listed(lacking)} {verb} not written: expected errors are not known there at every "
+        f"frame, and {format_name.upper()} has no gaps."
+    )
+
+
 def _bytes(content: str | bytes) -> bytes:
     return content.encode() if isinstance(content, str) else content
 

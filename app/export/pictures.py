@@ -143,7 +143,8 @@ def sheet_png(
     )
     if not keyed or count > MOST_KEYFRAMES:
         words = f"more than {MOST_KEYFRAMES}" if keyed else "no"
-        raise SessionError(f"{session_path.name} has {words} keyframes to draw.")
+        lacking = session.subject_in(session_path.name)
+        raise SessionError(f"{lacking} has {words} keyframes to draw.")
     fitting, size = sheet_layout(count, session.view.video.width / session.view.video.height)
     subject = subject_of(session, session_path, video.info)
     look = ViewStyle("main", order.style, order.opacity, order.tint)

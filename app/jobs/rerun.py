@@ -6,7 +6,6 @@ result depends on nothing but its segment's key and quality, whoever asked for i
 
 from __future__ import annotations
 
-import shlex
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -20,11 +19,11 @@ from keypose.app.jobs.progress import Wanted
 from keypose.app.jobs.track import Track
 from keypose.app.jobs.worker_cache import WorkerCache
 from keypose.app.orders.tracking import DraftOrder, TrackOrder, said
+from keypose.app.words.untrackable import why_untrackable
 from keypose.tracker.errors import KeyposeError, SessionError
 from keypose.tracker.operations.solve_space import solved
 from keypose.tracker.session import Session
 from keypose.tracker.session import results as saved
-from keypose.tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import (
     Results,
@@ -38,32 +37,6 @@ from keypose.tracker.tracking.pool import Cancelled, stream
 from keypose.tracker.tracking.result import SegmentResult
 from keypose.tracker.video import Video
 from keypose.tracker.video.clip_loader import ONCE
-
-
-def why_untrackable(session: Session, session_path: Path) -> str:
-    """What a session without segments lacks, in a sentence that names its file."""
-    return _LACKING.of(session)(session, session_path)
-
-
-def _of_film(session: Session, session_path: Path) -> str:
-    count = "one keyframe" if session.subject.keyframes else "no keyframes"
-    words = f"{session_path.name} has {count}; tracking needs two."
-    if not session.subject.drafts:
-        return words
-    accept = f"keypose draft {shlex.quote(str(session_path))} --accept"
-    return f"{words} Confirm its drafts in the page, or take those proposed with `{accept}`."
-
-
-def _of_surfaces(session: Session, session_path: Path) -> str:
-    if session.subject.keyframes:
-        return f"{session_path.name} has only one mesh: there is no motion to fit."
-    return (
-        f"{session_path.name} has no keyframe: pose the body in one of the meshes first, with "
-        f"`keypose open {shlex.quote(str(session_path))}`."
-    )
-
-
-_LACKING = ByEvidence({FilmEvidence: _of_film, SurfaceEvidence: _of_surfaces})
 
 
 def with_settings(session: Session, order: TrackOrder | DraftOrder) -> Session:

@@ -10,6 +10,7 @@ from keypose.app.orders.order import option
 from keypose.app.orders.tracking import DraftOrder, FilmTaken, YesNo
 from keypose.app.orders.values import Choice, FrameRange, Misread, Number, Switch, Value, Whole
 from keypose.tracker.body.preset_names import ANIMALS, PEOPLE
+from keypose.tracker.errors import FormatError
 
 if TYPE_CHECKING:
     from keypose.tracker.keypoints.region import Box
@@ -119,6 +120,14 @@ class FilmToDraft:
     taken: FilmTaken = field(default_factory=FilmTaken)
     name: str | None = None
     beside: tuple[Path, ...] = ()
+
+
+def require_whom(order: FilmOrder) -> None:
+    """FormatError where one person is named by a box, and everybody is meant as well."""
+    if order.box is not None and order.everyone:
+        raise FormatError(
+            "--box names a person and --everyone means all who are found: give one of them."
+        )
 
 
 FILM_ORDERS: Final = {"order": FilmOrder, "network": DraftOrder, "taken": FilmTaken}

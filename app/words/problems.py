@@ -145,6 +145,14 @@ def size_of(px: float | None, cm: float | None) -> str:
     return f"≈ {' · '.join(lengths)}"
 
 
+def off_words(cm: float | None, px: float | None) -> str:
+    """ "262 cm and 3.4 px"; without what nobody knows."""
+    lengths = {"cm": cm, "px": px}
+    return " and ".join(
+        f"{_short(value)} {unit}" for unit, value in lengths.items() if value is not None
+    )
+
+
 LEAST_PX: Final = 0.5
 
 

@@ -143,18 +143,32 @@ def _goal(right_px: float | None) -> int:
     return next((goal for goal in usual if right_px is None or goal > right_px), usual[-1])
 
 
+def worst_of_all(places_by_body: Mapping[str, Sequence[Place]]) -> list[tuple[str, Place]]:
+    """The places of several bodies with their bodies' ids: drafts by their frames, then the worst
+    first."""
+    both = [(body_id, place) for body_id, places in places_by_body.items() for place in places]
+
+    def rank(body_and_place: tuple[str, Place]) -> tuple[bool, float, float, int]:
+        place = body_and_place[1]
+        if isinstance(place.why, DraftPlace):
+            return False, 0.0, 0.0, place.frame
+        return True, *_rank(place)
+
+    return sorted(both, key=rank)
+
+
 def _worst_first(places: Sequence[Place]) -> list[Place]:
     """Sort places: of those whose size nobody knows wrong keyframes and what is lost come first,
     others last.
     """
+    return sorted(places, key=_rank)
 
-    def rank(place: Place) -> tuple[float, float, int]:
-        why = place.why
-        is_lost = isinstance(why, Problem) and (why.remedy == "keyframe" or why.kind == "lost")
-        px = place.px if place.px is not None else np.inf if is_lost else 0.0
-        return -px, -(place.cm or 0.0), place.frame
 
-    return sorted(places, key=rank)
+def _rank(place: Place) -> tuple[float, float, int]:
+    why = place.why
+    is_lost = isinstance(why, Problem) and (why.remedy == "keyframe" or why.kind == "lost")
+    px = place.px if place.px is not None else np.inf if is_lost else 0.0
+    return -px, -(place.cm or 0.0), place.frame
 
 
 def _tracked(judged_segments: JudgedSegments, doc: Session, results: Results) -> list[Place]:

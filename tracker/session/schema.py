@@ -389,6 +389,10 @@ class Session(Plain):
         there are."""
         return self.about(body_called(self.bodies, name).id)
 
+    def subject_in(self, file_name: str) -> str:
+        """What is said to lack something: the file, or the body of it where it has several."""
+        return f"Body {self.subject.id} of {file_name}" if len(self.bodies) > 1 else file_name
+
     def alone(self, view_id: str) -> Self:
         """The same about one of its views alone, as if that were the first; KeyError where there
         is no such view. What was chosen of the first camera says nothing of another."""

@@ -15,6 +15,8 @@ from pydantic import (
     model_validator,
 )
 
+from keypose.tracker.errors import ID_PATTERN
+
 _OF_OLDER_FILES: Final = {"linear": "auto", "both-ways": "auto", "fast": "full"}
 """Choices that are no more, and what files that name them mean now."""
 
@@ -28,7 +30,7 @@ FARTHEST_M: Final = 1e5
 """Along each axis, of every pose however it is made."""
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
-SceneId: TypeAlias = Annotated[str, Field(pattern=r"^[a-z0-9_-]{1,40}$")]
+SceneId: TypeAlias = Annotated[str, Field(pattern=ID_PATTERN)]
 Title: TypeAlias = Annotated[str, Field(max_length=120)]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]

@@ -249,7 +249,8 @@ def load_tracks(session: Session, session_path: Path) -> Tracks:
     """The session's tracks file. SessionError in one sentence when it is missing or damaged."""
     done, again = _how_tracked(session, session_path)
     if session.subject.results is None:
-        raise SessionError(f"{session_path.name} has not been {done} yet: {again}.")
+        subject = session.subject_in(session_path.name)
+        raise SessionError(f"{subject} has not been {done} yet: {again}.")
     path = session_path.parent / session.subject.results.tracks
     tracks = _read(path)
     if tracks.part_names != session.subject.body.names:
@@ -264,8 +265,9 @@ def load_trajectory(session: Session, session_path: Path) -> Trajectory:
     tracks = load_tracks(session, session_path)
     if not tracks.tracked.all():
         done, again = _how_tracked(session, session_path)
+        subject = session.subject_in(session_path.name)
         raise SessionError(
-            f"{session_path.name} has not been {done} yet at frames {tracks.runs(False)}: {again}."
+            f"{subject} has not been {done} yet at frames {tracks.runs(False)}: {again}."
         )
     return Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
 

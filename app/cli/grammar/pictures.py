@@ -99,6 +99,7 @@ def add_matte(commands: Subcommands) -> None:
     )
     command = add_command(commands, "matte", details, _MATTE_EXAMPLES)
     add_session(command)
+    add_order(command, OneBody)
     add_order(command, MatteOrder)
     add_output(command, "PLACE", "the folder of the pictures, or the film's file")
 

@@ -34,7 +34,7 @@ from keypose.app.render.studio import ViewStyle
 from keypose.app.words.camera import camera_sentence
 from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import answers_words
-from keypose.tracker.errors import FormatError
+from keypose.tracker.errors import FormatError, readable
 from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.bodies import id_and_name
 from keypose.tracker.session.schema import Session
@@ -259,7 +259,8 @@ def _facts(subject: Subject) -> list[str]:
         facts.append(camera_sentence(motion.kind, motion.path.zooms, None).rstrip(".").lower())
         if motion.unscaled:
             facts.append("the scale of the camera's path is not known")
-    facts.append(f"body {body.name.replace('_', ' ')}, {len(body.parts)} parts")
+    parts = f"{len(body.parts)} part{'s' * (len(body.parts) > 1)}"
+    facts.append(f"body {readable(body.name)}, {parts}")
     if session.subject.results is not None:
         facts.append(words.way(session, session.subject.results))
     return facts

@@ -6,13 +6,14 @@ import csv
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from keypose.app.document.library.files import SESSION_FOLDER, kind_of, kind_of_folder
 from keypose.app.document.library.session_files import SESSION, session_in, session_name
-from keypose.app.orders.film import FILM_ORDERS, FilmToDraft
+from keypose.app.orders.film import FILM_ORDERS, FilmToDraft, require_whom
 from keypose.app.orders.order import Option, options_of, require_one_of_each_group
 from keypose.app.orders.values import Misread
 from keypose.tracker.errors import FormatError, SessionError
@@ -191,6 +192,8 @@ def _film(table: Path, number: int, cells: Mapping[str, str]) -> FilmToDraft:
     if called is not None and not PLAIN_NAME.fullmatch(called):
         raise FormatError(f"{row}, name: {called[:40]!r} cannot be the name of a folder.")
     orders = {order: of(**said[order]) for order, of in FILM_ORDERS.items()}
+    with _in_row(row):
+        require_whom(orders["order"])
     others = tuple(_place(table, each) for each in beside if each)
     gone = next((each for each in others if not each.exists()), None)
     if gone is not None:
@@ -205,7 +208,14 @@ def _place(table: Path, name: str) -> Path:
 
 def _require_one_each(order: type, said: Iterable[str], row: str) -> None:
     options = options_of(order)
-    try:
+    with _in_row(row):
         require_one_of_each_group(options, said, lambda name: options[name].flag or name)
+
+
+@contextmanager
+def _in_row(row: str) -> Iterator[None]:
+    """Say in which row a FormatError is."""
+    try:
+        yield
     except FormatError as error:
         raise FormatError(f"{row}: {error}") from None

@@ -20,7 +20,7 @@ from keypose.app.export.report.report import (
     subject_of,
     thumbnail,
 )
-from keypose.app.jobs.batch.task import Summary
+from keypose.app.jobs.batch.task import PlaceToReview, Summary
 from keypose.tracker.errors import KeyposeError
 from keypose.tracker.files import read_head, read_own
 from keypose.tracker.session import Session
@@ -155,11 +155,10 @@ def _decided(summary: Summary) -> list[Child]:
         pieces.append(element("ul", *notes, style=f"{APART}; margin-bottom: 16px"))
     if not summary.places:
         return pieces
-    head = (element("th", t) for t in ("Frame", "Part", "Expected error", "Reason"))
-    rows = (
-        element("tr", *(element("td", t) for t in (str(p.frame), p.part, p.size, p.reason)))
-        for p in summary.places
-    )
+    has_several = any(place.body is not None for place in summary.places)
+    titles = ("Frame", *(("Body",) if has_several else ()), "Part", "Expected error", "Reason")
+    head = (element("th", t) for t in titles)
+    rows = (element("tr", *(element("td", t) for t in _cells(p))) for p in summary.places)
     table = element(
         "table",
         element("thead", element("tr", *head)),
@@ -168,6 +167,11 @@ def _decided(summary: Summary) -> list[Child]:
     )
     review = element("div", table, class_="scroll", style="margin-bottom: 16px")
     return [*pieces, element("h3", "To review"), review]
+
+
+def _cells(place: PlaceToReview) -> tuple[str, ...]:
+    body = () if place.body is None else (place.body,)
+    return str(place.frame), *body, place.part, place.size, place.reason
 
 
 def _person(path: Path) -> Html | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,7 +27,6 @@ from keypose.app.jobs.batch.task import (
     Export,
     PlaceToReview,
     SegmentSummary,
-    State,
     Step,
     Summary,
     Task,
@@ -55,7 +54,7 @@ from keypose.app.words.standing import soles_words, standing_words
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError, listed
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.operations.seen_by import errors_in_films
-from keypose.tracker.review.places import review_of
+from keypose.tracker.review.places import review_of, worst_of_all
 from keypose.tracker.session import Session
 from keypose.tracker.session.bodies import id_and_name
 from keypose.tracker.session.verdict import VERDICT_KINDS
@@ -66,7 +65,7 @@ from keypose.tracker.storage.files import (
     save_session,
     with_present_fingerprints,
 )
-from keypose.tracker.storage.results import Results, load_results, save_results
+from keypose.tracker.storage.results import Results, Span, load_results, save_results
 from keypose.tracker.storage.tracks import load_tracks
 from keypose.tracker.tracking.pool import Cancelled, SegmentFinished
 from keypose.tracker.tracking.result import SegmentResult
@@ -187,26 +186,31 @@ class _Found:
     cancelled: bool = False
     error: KeyposeError | None = None
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing ended it before its time."""
+        return self.error is None and not self.cancelled
+
 
 def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     session = load_session(task.session)
-    require_trackable(session, task.session)
+    abouts = (session.about(body.id) for body in session.bodies)
+    require_trackable(next((about for about in abouts if about.spans), session), task.session)
     session = _as_exported(session, task.session)
     asked = with_settings(session, task.order)
     if is_camera_wanted(asked):
         session = with_found(session, find_saved(asked, task.session))
         save_session(session, task.session)
-        asked = with_settings(session, task.order)
-    outcome = _track_body(task, session, asked, send, stop)
-    summary, posed = _summary(task, outcome), session.subject.id
-    for body in session.bodies:
-        if not summary.is_done or body.id == posed or not asked.about(body.id).spans:
+    outcomes = dict[str, _Found]()
+    for body_id in dict.fromkeys([session.subject.id, *(body.id for body in session.bodies)]):
+        about = _as_exported(load_session(task.session), task.session).about(body_id)
+        if not about.spans:
             continue
-        about = load_session(task.session).about(body.id)
-        own = _track_body(task, about, with_settings(about, task.order), send, stop)
-        if own.error is not None or own.cancelled:
-            summary = _summary(task, own)
-    return summary
+        asked = with_settings(about, task.order)
+        outcomes[body_id] = _track_body(task, about, asked, send, stop)
+        if not outcomes[body_id].is_whole:
+            break
+    return _summary(task, outcomes)
 
 
 def _track_body(
@@ -260,11 +264,11 @@ def _films_words(session_path: Path) -> tuple[str, ...]:
 
 
 def _bodies_words(session_path: Path) -> tuple[str, ...]:
-    """How many segments of each further body there are of each verdict; nothing of one body."""
-    session, sentences = load_session(session_path), []
+    """How many segments of each of several bodies there are of each verdict."""
+    session, sentences = load_session(session_path), list[str]()
+    if len(session.bodies) == 1:
+        return ()
     for body in session.bodies:
-        if body.id == session.subject.id:
-            continue
         segments = () if body.results is None else body.results.segments
         kinds = Counter(segment.verdict.kind for segment in segments)
         counts = [f"{kinds[kind]} {kind}" for kind in VERDICT_KINDS if kinds[kind]]
@@ -320,16 +324,24 @@ def _standing_words(each: BodyStood) -> tuple[str, ...]:
 def _reviewed(task: Task, summary: Summary) -> Summary:
     """The summary with what was decided and where to look, the worst first."""
     session = load_session(task.session)
-    review = review_of(session, load_results(session, task.session))
-    places = tuple(
-        PlaceToReview(place.frame, *row_of_place(place)[1:])
-        for place in review.above(review.goal_px)
+    abouts = {body.id: session.about(body.id) for body in session.bodies}
+    places_of = {}
+    for body_id, about in abouts.items():
+        review = review_of(about, load_results(about, task.session))
+        places_of[body_id] = review.above(review.goal_px)
+    to_review = tuple(
+        PlaceToReview(
+            place.frame,
+            *row_of_place(place)[1:],
+            body=_id_of_several(abouts[body_id]),
+        )
+        for body_id, place in worst_of_all(places_of)
     )
     picture = task.session.with_name(PICTURE)
     return replace(
         summary,
         notes=_notes_of(task),
-        places=places,
+        places=to_review,
         person=str(picture) if picture.is_file() else None,
     )
 
@@ -388,30 +400,54 @@ def _segment_json(track: SegmentResult) -> dict[str, object]:
     }
 
 
-def _summary(task: Task, outcome: _Found) -> Summary:
-    """Summarise the session as it stands on disk now."""
+def _summary(task: Task, outcomes: Mapping[str, _Found]) -> Summary:
+    """Summarise the session as it stands on disk now.
+
+    outcomes: by the ids of the bodies that were tracked.
+    """
     now = load_session(task.session)
     results = now.subject.results
-    segments = () if results is None else results.segments
-    fresh = {track.span for track in outcome.tracks}
-    summaries = tuple(
-        SegmentSummary(
-            s.first_frame,
-            s.last_frame,
-            s.verdict.kind,
-            verdict_words(s.verdict),
-            s.quality or now.settings.quality,
-            fresh=(s.first_frame, s.last_frame) in fresh,
-        )
-        for s in segments
+    fresh = {
+        body_id: {track.span for track in outcome.tracks} for body_id, outcome in outcomes.items()
+    }
+    segments = tuple(
+        summary
+        for body in now.bodies
+        for summary in _segments(now.about(body.id), fresh.get(body.id, set()))
     )
-    tracks = None if results is None else results.tracks
-    name = str(task.session)
-    if outcome.error is not None:
-        return Summary(name, "failed", str(outcome.error), tracks=tracks, segments=summaries)
-    if outcome.cancelled:
-        return Summary(name, "interrupted", tracks=tracks, segments=summaries)
-    state: State = "tracked" if outcome.tracks else "kept"
-    edited = bool(_missing(with_settings(now, task.order), task.session))
-    words = "Edited while it was tracked: some segments are out of date again." if edited else ""
-    return Summary(name, state, words, tracks=tracks, segments=summaries)
+    summary = Summary(
+        str(task.session),
+        "tracked" if any(fresh.values()) else "kept",
+        tracks=None if results is None else results.tracks,
+        segments=segments,
+    )
+    for outcome in outcomes.values():
+        if outcome.error is not None:
+            return replace(summary, state="failed", words=str(outcome.error))
+        if outcome.cancelled:
+            return replace(summary, state="interrupted")
+    abouts = (now.about(body_id) for body_id in outcomes)
+    if any(_missing(with_settings(about, task.order), task.session) for about in abouts):
+        words = "Edited while it was tracked: some segments are out of date again."
+        return replace(summary, words=words)
+    return summary
+
+
+def _segments(about: Session, fresh: Container[Span]) -> Iterator[SegmentSummary]:
+    """The segments of one body; `fresh` are those tracked now."""
+    results = about.subject.results
+    for segment in () if results is None else results.segments:
+        yield SegmentSummary(
+            segment.first_frame,
+            segment.last_frame,
+            segment.verdict.kind,
+            verdict_words(segment.verdict),
+            segment.quality or about.settings.quality,
+            fresh=(segment.first_frame, segment.last_frame) in fresh,
+            body=_id_of_several(about),
+        )
+
+
+def _id_of_several(about: Session) -> str | None:
+    """The body's id, None where the session has only one."""
+    return about.subject.id if len(about.bodies) > 1 else None

@@ -49,7 +49,10 @@ class Task:
 
 @dataclass(frozen=True)
 class SegmentSummary:
-    """One segment as it stands on disk after the work; `fresh` when it was tracked now."""
+    """One segment as it stands on disk after the work; `fresh` when it was tracked now.
+
+    body: the id of the body, where the session has several.
+    """
 
     first: int
     last: int
@@ -57,23 +60,29 @@ class SegmentSummary:
     words: str
     quality: Quality
     fresh: bool
+    body: str | None = None
 
 
 @dataclass(frozen=True)
 class PlaceToReview:
-    """A place of the motion to look at, in words."""
+    """A place of the motion to look at, in words.
+
+    body: the id of the body, where the session has several.
+    """
 
     frame: int
     part: str
     size: str
     reason: str
+    body: str | None = None
 
 
 @dataclass(frozen=True)
 class Summary:
     """What became of one session. words: a sentence where something is worth one.
 
-    notes: what was decided without a person, a sentence each.  places: to review, the worst first.
+    segments: of all bodies.  notes: what was decided without a person, a sentence each.
+    places: to review, of all bodies, the worst first.
     person: the picture of the person that was found, a file beside the session.
     """
 

@@ -12,6 +12,7 @@ from keypose.tracker.body.body import preset
 from keypose.tracker.body.preset_names import PRESETS
 from keypose.tracker.session import Session
 from keypose.tracker.session.bodies import TrackedBody, free_id
+from keypose.tracker.session.bonds import Bond, BondEnd
 from keypose.tracker.session.schema import MOST_BODIES
 from keypose.tracker.storage.files import load_session, read_session, save_session
 from tests.scenes import sample
@@ -104,6 +105,32 @@ def test_a_body_that_is_removed_goes_with_what_is_its_and_can_be_put_back(
     assert ids(path) == {"stick": "cylinder"}
     assert load_session(path).settings.left_out == ()
     assert read_session(path.with_name("session.json.previous")) == before
+
+
+def test_holds_that_go_with_a_body_are_counted_and_a_dry_run_claims_nothing(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert done(path, "cylinder", "--name", "stick") == 0
+    session = load_session(path)
+    hand, handle = (
+        BondEnd(body=body.id, part=body.body.names[0], point_m=(0.0, 0.0, 0.0))
+        for body in session.bodies
+    )
+    bond = Bond(holder=hand, held=handle, first_frame=0, last_frame=4)
+    save_session(session.model_copy(update={"bonds": (bond,)}), path)
+    before = path.read_bytes()
+    went = "stick (cylinder): 0 keyframes, 0 drafts, no tracked motion and 1 hold."
+    capsys.readouterr()
+    assert done(path, "--remove", "stick", "--dry-run") == 0
+    assert capsys.readouterr().out.startswith(f"Would remove {went}\n")
+    assert done(path, "--remove", "stick", "--dry-run", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["removed_bonds"] == 1
+    assert done(path, "dog", "--dry-run") == 0
+    assert capsys.readouterr().out.startswith("Would add dog, ")
+    assert path.read_bytes() == before
+    assert done(path, "--remove", "stick") == 0
+    assert capsys.readouterr().out.startswith(f"Removed {went}\n")
+    assert load_session(path).bonds == ()
 
 
 def full(session: Session) -> Session:

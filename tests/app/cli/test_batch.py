@@ -16,7 +16,7 @@ from keypose.app.cli.main import main
 from keypose.app.jobs.batch.journal import FOLDER
 from keypose.app.jobs.batch.pool import News, WorkerDied
 from keypose.app.jobs.batch.report import NAME
-from keypose.app.jobs.batch.task import SegmentSummary, Step, Summary, Task
+from keypose.app.jobs.batch.task import PlaceToReview, SegmentSummary, Step, Summary, Task
 from keypose.tracker import warm
 from keypose.tracker.errors import FormatError
 from keypose.tracker.storage.files import load_session
@@ -151,6 +151,28 @@ def test_a_lost_segment_gives_exit_code_1(
     )
     meeting(monkeypatch, lambda number, task: (number, lost))
     assert batch(root(sessions)) == 1
+
+
+def test_places_to_look_at_say_whose_they_are_where_a_session_has_several_bodies(
+    sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    several = (
+        PlaceToReview(12, "Head", "9 px", "hidden", body="second"),
+        PlaceToReview(3, "Left foot", "7 px", "hidden", body="body"),
+    )
+    only = (PlaceToReview(5, "Neck", "6 px", "hidden"),)
+    summaries = [Summary("", "tracked", notes=("Stood.",), places=of) for of in (several, only, ())]
+    meeting(monkeypatch, lambda number, task: (number, summaries[number]))
+    assert batch(root(sessions)) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line for line in lines if line.startswith("    frame")] == [
+        "    frame 12 of second: Head, 9 px, hidden",
+        "    frame 3 of body: Left foot, 7 px, hidden",
+        "    frame 5: Neck, 6 px, hidden",
+    ]
+    page = (root(sessions) / NAME).read_text("utf-8")
+    assert "<td>12</td><td>second</td><td>Head</td>" in page.replace("\n", "")
+    assert page.count("<th>Body</th>") == 1
 
 
 def interrupted_after(count: int, by: signal.Signals = signal.SIGINT) -> Befalls:

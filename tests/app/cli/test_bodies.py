@@ -31,6 +31,13 @@ def done(*words: str | Path) -> int:
     return main([str(word) for word in words])
 
 
+def add_unposed_before(path: Path) -> None:
+    """A body without a pose stands before those that are tracked."""
+    session = load_session(path)
+    unposed = session.bodies[0].model_copy(update={"id": "ahead", "keyframes": (), "results": None})
+    save_session(session.model_copy(update={"bodies": (unposed, *session.bodies)}), path)
+
+
 OF_ONE = {
     "evaluate": ("--reference", TRUTH),
     "reduce": ("--dry-run",),
@@ -122,6 +129,7 @@ def test_a_report_has_each_body_under_its_name(path: Path) -> None:
     out = path.parent / "report.html"
     assert done("report", path, "--out", out) == 0
     page = out.read_text("utf-8")
+    assert "body box, 1 part<" in page
     assert page.index("body (box)</h1>") < page.index("second (box)</h1>")
     assert done("report", path, "--out", out, "--overwrite", "--body", "second") == 0
     assert page.count("<h1") == 2
@@ -152,6 +160,42 @@ def test_a_body_without_keyframes_is_said_and_the_rest_is_tracked(
     assert "no keyframes" in capsys.readouterr().err
 
 
+LACKING = {
+    "track": ((), "has no keyframes; tracking needs two."),
+    "sheet": (("--out", "{out}.png"), "has no keyframes to draw."),
+    "film": (("--out", "{out}.mp4"), "has no pose to film: set a keyframe first."),
+    "shot": (("--frame", "0", "--out", "{out}.png"), "has not been tracked yet: run "),
+    "evaluate": (("--reference", TRUTH), "has not been tracked yet: run "),
+}
+
+
+@pytest.mark.parametrize("command", LACKING)
+def test_what_a_body_lacks_is_said_of_the_body_and_not_of_its_session(
+    command: str, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    add_unposed_before(path)
+    more, words = LACKING[command]
+    asked = [word.format(out=path.parent / "out") for word in more]
+    assert done(command, path, *asked, "--body", "ahead") == 2
+    assert f"Body ahead of session.json {words}" in capsys.readouterr().err
+
+
+def test_a_review_says_why_there_is_nothing_to_review_of_a_body(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(path)
+    second = session.bodies[1].model_copy(update={"results": None})
+    save_session(session.with_body(second), path)
+    add_unposed_before(path)
+    assert done("review", path, "--body", "second") == 0
+    assert capsys.readouterr().out == "second (box):\n1 segment needs tracking first.\n"
+    assert done("review", path, "--body", "second", "--frames", "0-0") == 0
+    assert capsys.readouterr().out == "second (box):\nNot tracked yet.\n"
+    assert done("review", path, "--body", "ahead") == 0
+    words = "Body ahead of session.json has no keyframes; tracking needs two.\n"
+    assert capsys.readouterr().out == f"ahead (box):\n{words}"
+
+
 def test_following_one_body_on_leaves_the_rest_of_the_session(path: Path) -> None:
     session = load_session(path)
     shorter = session.bodies[1].keyframes[:1]
@@ -172,3 +216,29 @@ def test_a_copy_of_several_bodies_is_refused_before_anything_is_written(
     assert "leave --out away" in capsys.readouterr().err
     assert path.read_bytes() == before
     assert not (path.parent / "copy").exists()
+
+
+@pytest.mark.parametrize("command", OF_ALL_DRAWN)
+def test_a_first_body_without_a_pose_does_not_keep_the_others_from_being_drawn(
+    command: str, path: Path
+) -> None:
+    add_unposed_before(path)
+    pictures = []
+    for name, asked in (("all", ()), ("alone", ("--body", "body"))):
+        more = [word.format(out=path.parent / name) for word in OF_ONE[command]]
+        assert done(command, path, *more, *asked) == 0
+        pictures.append(Path(more[-1]).read_bytes())
+    assert pictures[0] != pictures[1]
+
+
+def test_a_shot_draws_the_bodies_that_have_a_pose_at_its_frame(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(path)
+    first = session.bodies[0].model_copy(
+        update={"keyframes": session.bodies[0].keyframes[:1], "results": None}
+    )
+    save_session(session.with_body(first), path)
+    out = path.with_name("out.png")
+    assert done("shot", path, "--frame", "1", "--out", out) == 0
+    assert done("shot", path, "--frame", "1", "--out", out, "--overwrite", "--body", "body") == 2

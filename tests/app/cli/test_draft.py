@@ -88,6 +88,7 @@ WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
     "a second box outside": (("--box", "3000,10,3100,90"), AROUND, "outside the picture"),
     "two boxes around one": (("--box", AROUND), AROUND, "around the same person"),
     "two that nearly are one": (("--box", NEARLY), AROUND, "around the same person"),
+    "a box and everyone": (("--everyone",), AROUND, "--everyone means all who are found"),
     "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
     "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
     "frames that fall": (("--frames", "5-2"), AROUND, "are no frames such as 10-60"),
@@ -308,6 +309,15 @@ def test_what_cannot_be_accepted_is_said(
     more, words = NOT_ACCEPTED[wrong]
     shutil.copy(BALANCE / "session.json", tmp_path)
     assert words in refused(capsys, tmp_path, ["draft", tmp_path, *more])
+
+
+def test_drafts_that_are_left_once_those_proposed_are_accepted_are_not_denied(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(command(tmp_path, "--accept")) == 0
+    capsys.readouterr()
+    words = refused(capsys, tmp_path, ["draft", tmp_path, "--accept"])
+    assert "has no proposed drafts left to accept; confirm its 4 other drafts" in words
 
 
 def test_tracking_drafts_says_how_they_become_keyframes(

@@ -19,10 +19,12 @@ from keypose.app.cli import matte as command
 from keypose.app.cli.main import main
 from keypose.app.export.picture_names import picture_names
 from keypose.app.orders.drawing import MatteOrder
+from keypose.tracker.body.body import preset
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.people import GREY
 from keypose.tracker.keypoints.region import Region
 from keypose.tracker.session.annotations import Drafted, DraftPlace
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.tracking.cues import sources
 from keypose.tracker.video import Video
@@ -139,6 +141,21 @@ def test_the_other_bodies_of_a_session_are_painted_out_before_the_person_is_look
     assert len(looks) >= 3
     assert not any(own_is_grey for _, own_is_grey, _ in looks)
     assert any(is_grey for _, _, is_grey in looks) == two
+
+
+def test_the_person_who_is_named_is_cut_out_and_the_first_where_a_thing_stands_before(
+    session: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    doc = load_session(session)
+    ball = TrackedBody(id="ball", body=preset("box"))
+    unposed = TrackedBody(id="unposed", body=doc.subject.body)
+    save_session(doc.model_copy(update={"bodies": (ball, doc.subject, unposed)}), session)
+    assert run(session, "--frames", "1-1", "--out", tmp_path / "out") == 0
+    assert f"This is {doc.subject.id}; choose with --body." in capsys.readouterr().err
+    assert run(session, "--body", "ball", "--out", tmp_path / "ball") == 2
+    assert "is about no person" in capsys.readouterr().err
+    assert run(session, "--body", "unposed", "--out", tmp_path / "unposed") == 2
+    assert "does not say where the person is" in capsys.readouterr().err
 
 
 def decoded(path: Path) -> list[av.VideoFrame]:

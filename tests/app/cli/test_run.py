@@ -231,6 +231,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "options of exports without one": (("jump.mp4", "--rig", "smpl"), "--export"),
     "two lenses": (("jump.mp4", "--lens", "26", "--field-of-view", "60"), "mean the same"),
     "a height in metres": (("jump.mp4", "--height", "1.8"), "not a number from 40 to 260"),
+    "a box and everyone": (("jump.mp4", "--box", "1,1,9,9", "--everyone"), "give one of them"),
     "a box of words": (("jump.mp4", "--box", "him"), "is not a box"),
 }
 

@@ -16,7 +16,7 @@ from keypose.app.store.sections import Sections
 from keypose.app.words.review import label_of_place, reason_of_place
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.body.trajectory import Pass, interpolate
-from keypose.tracker.review.places import Review, review_of
+from keypose.tracker.review.places import Review, review_of, worst_of_all
 from keypose.tracker.review.problems import Problem
 from keypose.tracker.review.segments import JudgedSegments
 from keypose.tracker.session.annotations import Drafted
@@ -80,6 +80,16 @@ def test_the_worst_place_comes_first_each_at_its_worst_frame() -> None:
     assert (first.px, first.frames) == (14.0, (9, 11))
     assert label_of_place(first) == "Right forearm"
     assert second.px == 8.0
+
+
+def test_the_places_of_several_bodies_are_one_list_the_worst_first() -> None:
+    arm, foot = reviewed(doubting(**ARM_AND_FOOT)).places
+    (knee,) = reviewed(doubting(right_forearm=(20, 10.0))).places
+    assert worst_of_all({"body": (arm, foot), "second": (knee,)}) == [
+        ("body", arm),
+        ("second", knee),
+        ("body", foot),
+    ]
 
 
 def test_a_place_is_as_many_centimetres_off_as_its_pixels_are_at_its_depth() -> None:

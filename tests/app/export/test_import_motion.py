@@ -435,7 +435,9 @@ def test_keypoints_as_a_detector_sees_them_still_give_the_right_side() -> None:
         assert turn < 30.0
 
 
-def test_drafts_never_stand_over_a_keyframe_or_another_draft(path: Path) -> None:
+def test_drafts_never_stand_over_a_keyframe_or_another_draft(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     before = load_session(path)
     file = path.parent / "points.json"
     file.write_text(json.dumps(_coco(_keypoints("COCO_17"))))
@@ -449,8 +451,10 @@ def test_drafts_never_stand_over_a_keyframe_or_another_draft(path: Path) -> None
     assert twice.subject.drafts[0] == once.subject.drafts[0]
     assert [draft.frame for draft in twice.subject.drafts] == [30, 36]
     content = everything_in(path.parent)
+    assert "Nothing was changed." not in capsys.readouterr().out
     assert _run("import", path, file, "--keypoints", "--frames", "30,36,48") == 0
     assert everything_in(path.parent) == content
+    assert capsys.readouterr().out.endswith("Left as posed: 30, 36, 48\nNothing was changed.\n")
 
 
 @pytest.mark.parametrize("layout", ["BODY_25", "BODY_25B", "HALPE_26"])

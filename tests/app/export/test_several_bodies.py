@@ -16,7 +16,7 @@ import pytest
 from pxr import Usd, UsdSkel
 
 from keypose.app.cli.main import main
-from keypose.app.export.motion_files import file_of_body, files_of_bodies
+from keypose.app.export.motion_files import file_of_body, files_of_bodies, unknown_errors_words
 from keypose.app.export.motion_formats import FORMATS
 from keypose.app.orders.motion import MotionOrder
 from keypose.tracker.body.body import preset
@@ -226,6 +226,22 @@ def test_a_body_that_a_format_cannot_hold_is_said_and_the_rest_is_written() -> N
     assert refused[0].startswith("AMASS of crate: ")
     with pytest.raises(FormatError, match="of crate"):
         files_of_bodies("amass", bodies()[2:] * 2, MotionOrder())
+
+
+@pytest.mark.parametrize(
+    ("with_errors", "words"),
+    [
+        (("ann", "bob"), None),
+        (("ann",), "bob-errors.mot was not written: expected errors are not known there"),
+        ((), None),
+    ],
+)
+def test_expected_errors_that_one_body_lacks_and_another_has_are_said(
+    with_errors: tuple[str, ...], words: str | None
+) -> None:
+    written = ["ann.mot", "bob.mot", *(f"{name}-errors.mot" for name in with_errors)]
+    told = unknown_errors_words("mot", written, ("ann", "bob"))
+    assert told is None if words is None else words in str(told)
 
 
 def test_a_scene_has_all_bodies_but_one_with_a_gap_which_is_said() -> None:

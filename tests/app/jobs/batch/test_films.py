@@ -63,6 +63,10 @@ WRONG = {
         ("film,box", "a.mp4,", "b.mp4,him"),
         "films.csv, row 3, box: 'him' is not a box",
     ),
+    "a box and everyone": (
+        ("film;box;everyone", "a.mp4;1,2,30,40;true"),
+        "row 2: --box names a person and --everyone means all",
+    ),
     "a wrong body": (("film,body", "a.mp4,giant"), "row 2, body: invalid choice: 'giant'"),
     "another film that is gone": (
         ("film,beside", "a.mp4,gone.mp4"),

@@ -61,11 +61,34 @@ def test_every_body_is_tracked_and_what_became_of_each_is_said(path: Path) -> No
     summary, steps = done(path)
     assert (summary.state, summary.notes) == (
         "tracked",
-        ("second (small): 2 check of 2 segments.",),
+        (
+            "body (small): 2 check of 2 segments.",
+            "second (small): 2 check of 2 segments.",
+        ),
     )
+    assert [segment.body for segment in summary.segments] == ["body", "body", "second", "second"]
+    assert (summary.count("check"), fresh(summary)) == (4, [True] * 4)
     assert sum(step.segment is not None for step in steps) == 4
     assert [body.results is not None for body in load_session(path).bodies] == [True, True]
     assert done(path, missing_only=True)[0].state == "kept"
+
+
+def test_bodies_are_tracked_where_the_first_has_no_keyframes(path: Path) -> None:
+    session = of_two(load_session(path))
+    save_session(session.with_body(session.bodies[0].model_copy(update={"keyframes": ()})), path)
+    summary, _ = done(path)
+    assert summary.state == "tracked"
+    assert [segment.body for segment in summary.segments] == ["second", "second"]
+    assert summary.notes[0] == "body (small): not tracked."
+
+
+def test_what_is_tracked_of_a_further_body_alone_counts_as_tracked(path: Path) -> None:
+    save_session(of_two(load_session(path)), path)
+    done(path)
+    session = load_session(path)
+    save_session(session.with_body(session.bodies[1].model_copy(update={"results": None})), path)
+    summary, _ = done(path, missing_only=True)
+    assert (summary.state, fresh(summary)) == ("tracked", [False, False, True, True])
 
 
 def test_with_all_results_fitting_nothing_is_left_to_do(path: Path) -> None:
