@@ -165,9 +165,14 @@ function drawRow(list, row, answer) {
 
 /** @param {ReviewPlace} row */
 function actions(row) {
+  const refusal = refusalOf(row);
+  const advice = row.kind === 'draft' ? DRAFT : limbWords(row);
   return html`<div class="row acts">${act('acceptPlace', 'pri')}${act('nextPlace', 'ghost')}${act('cannotTell', 'ghost', false)}</div>
-    <p class="note">${row.kind === 'draft' ? DRAFT : limbWords(row)}</p>`;
+    <p class="note" role=${refusal ? 'status' : nothing}>${refusal ? `Not accepted. ${refusal}` : advice}</p>`;
 }
+
+/** Why its answer was refused, or ''. @param {ReviewPlace} row */
+const refusalOf = ({ id }) => (ui.review?.refused?.id === id ? ui.review.refused.words : '');
 
 const DRAFT = 'Accept makes the draft a keyframe. Correct it on the picture first where it is off.';
 

@@ -820,6 +820,8 @@
  * @property {ReviewPlace[]} rows  As they were ranked last; answered ones stay among them until the next N.
  * @property {string | null} current  The row's id; null where nothing is left.
  * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
+ * @property {{ id: string, answer: Answer, n: number } | null} [asked]  On its way, with the number of its message.
+ * @property {{ id: string, words: string } | null} [refused]  The answer that was refused last, and why.
  */
 
 /**
