@@ -582,7 +582,8 @@
  * @property {number} apart_cm  How far apart they are at most.
  * @property {number} worst  The frame at which they are.
  * @property {boolean} meet  Whether that is no distance.
- * @property {boolean} keyed  Whether keyframes of both keep them so.
+ * @property {'keyed' | 'unposed' | 'tracked' | 'untracked'} cause  Why they do not meet.
+ * @property {string | null} unposed  The name of a body that has no keyframe.
  */
 
 /** @typedef {{ frame: number, text: string }} Note  Without words a flag. */

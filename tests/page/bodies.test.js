@@ -5,6 +5,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { whyNot } from '../../static/actions/actions.js';
 import { bodyAhead, leftToDo } from '../../static/actions/bodies.js';
+import { apartWords } from '../../static/inspector/bonds.js';
 import { server } from '../../static/store/state.js';
 
 const GOOD = { first: 0, last: 20, state: 'good' };
@@ -52,4 +53,17 @@ test('a draft of another is confirmed before the posed one is tracked', () => {
   assert.equal(bodyAhead(), undefined);
   beside({ places: [3] });
   assert.equal(bodyAhead().id, 'bo');
+});
+
+test('a hold whose points are apart says why, and what to do', () => {
+  const apart = { apart_cm: 8, worst: 20, unposed: null };
+  assert.deepEqual(
+    ['untracked', 'tracked', 'keyed'].map((cause) => apartWords({ ...apart, cause })),
+    [
+      '8.0 cm apart at frame 20 until it is tracked',
+      '8.0 cm apart at frame 20, held apart by their keyframes: pose them together there',
+      '8.0 cm apart at frame 20, where both are keyed: pose them together there',
+    ],
+  );
+  assert.equal(apartWords({ ...apart, cause: 'unposed', unposed: 'Ball' }), 'Ball has no keyframe yet: pose it first');
 });
