@@ -56,6 +56,7 @@ class Track(Job):
     folder: of the session's file, where its imported motion lies.
     verbs: what is done, and has been: "Tracking", "Tracked".
     whose: " of Anna", where there are several bodies.
+    body: the id of the body whose segments these are.
     """
 
     session: bytes
@@ -65,6 +66,7 @@ class Track(Job):
     folder: str = ""
     verbs: tuple[str, str] = ("Tracking", "Tracked")
     whose: str = ""
+    body: str = ""
 
     kind = "track"
     fault = "Tracking failed with an internal error ({}). Finished work is kept; try again."
@@ -90,6 +92,7 @@ class Track(Job):
             "" if folder is None else str(folder),
             (words.doing.capitalize(), words.done.capitalize()),
             whose,
+            session.subject.id,
         )
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
 from keypose.app.editor.advice import why_nothing_to_do
@@ -222,7 +223,8 @@ class SegmentTracker:
         edit = self._host.app_state.edit
         if not isinstance(partial, Tracked) or edit is None:
             return False
-        self._host.know(edit.results.with_result(partial.found.result, self._keep))
+        result = replace(partial.found.result, body=order.body)
+        self._host.know(edit.results.with_result(result, self._keep))
         if order is self._order and self._is_at_work():
             self._on_tracked(partial)
         return isinstance(partial.found, SegmentFinished)
