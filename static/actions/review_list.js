@@ -155,6 +155,9 @@ export function withUndone(list, places) {
   return { ...list, done, current: undone && list.rows.some(({ id }) => id === undone.id) ? undone.id : list.current };
 }
 
+/** Rows of which nobody knows how far they are off go by frame. @param {ReviewPlace[]} rows */
+export const orderWords = (rows) => (rows.some(({ px }) => px !== null) ? 'worst first' : 'in order of frames');
+
 /** @type {[Answer, string][]} */
 const OUTCOMES = [
   ['accepted', 'accepted'],

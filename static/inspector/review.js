@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { closeReview, goal, lowerGoal, setGoal, visit } from '../actions/review.js';
-import { doneWords, openRows } from '../actions/review_list.js';
+import { doneWords, openRows, orderWords } from '../actions/review_list.js';
 import { dropdown } from '../controls/dropdown.js';
 import { icon } from '../controls/icons.js';
 import { toggleMenu } from '../controls/menu.js';
@@ -107,7 +107,7 @@ function head(list, left) {
         @click=${closeReview}>Close<kbd>Esc</kbd></button></div>
     ${all ? progress(list.done.length, all, share) : nothing}
     <div class="row rv-goal"><span class="dim">Goal</span>${dropdown(goals())}<span class="sp"></span>
-      ${left ? html`<span class="dim">worst first</span>` : nothing}</div>
+      ${left ? html`<span class="dim">${orderWords(list.rows)}</span>` : nothing}</div>
   </header>`;
 }
 

@@ -563,6 +563,8 @@
  * @property {boolean} posed
  * @property {string} colour
  * @property {number[]} keys  Frames of its keyframes.
+ * @property {number} drafts  How many it has.
+ * @property {number} rest  How many frames a draft was cancelled before.
  * @property {{ name: string, label: string }[]} parts
  * @property {number[]} places  Frames of a draft to confirm; of the posed body `draft` has them.
  * @property {{ first: number, last: number, state: string }[]} segments

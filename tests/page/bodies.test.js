@@ -4,7 +4,7 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { whyNot } from '../../static/actions/actions.js';
-import { bodyAhead, leftToDo } from '../../static/actions/bodies.js';
+import { bodyAhead, leftToDo, posedWords } from '../../static/actions/bodies.js';
 import { apartWords } from '../../static/inspector/bonds.js';
 import { server } from '../../static/store/state.js';
 
@@ -66,4 +66,11 @@ test('a hold whose points are apart says why, and what to do', () => {
     ],
   );
   assert.equal(apartWords({ ...apart, cause: 'unposed', unposed: 'Ball' }), 'Ball has no keyframe yet: pose it first');
+});
+
+test('a body says its keyframes, and its drafts where it has any', () => {
+  assert.equal(posedWords({ keys: [4], drafts: 0 }), '1 keyframe');
+  assert.equal(posedWords({ keys: [], drafts: 0 }), '0 keyframes');
+  assert.equal(posedWords({ keys: [], drafts: 100 }), '100 drafts');
+  assert.equal(posedWords({ keys: [4, 9], drafts: 1 }), '2 keyframes, 1 draft');
 });

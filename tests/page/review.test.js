@@ -11,6 +11,7 @@ import {
   doneWords,
   listOf,
   openRows,
+  orderWords,
   pauseLeft,
   placesAbove,
   presentPlace,
@@ -166,4 +167,10 @@ test('a place tracked anew is the one of its limb at its time, under another fra
   assert.equal(presentPlace([other, spanned('90-left_shin', 'left_shin', 90, 92)], row), undefined);
   const list = ranked({ ...listOf([row]), current: row.id }, [other, moved]);
   assert.deepEqual(list.rows, [other, row], 'what is looked at keeps its frame');
+});
+
+test('places go by frame where nobody knows how far any is off, else the worst goes first', () => {
+  assert.equal(orderWords(PLACES), 'worst first');
+  assert.equal(orderWords([place('3', null), place('9', null)]), 'in order of frames');
+  assert.equal(orderWords([...PLACES, place('90', null)]), 'worst first');
 });

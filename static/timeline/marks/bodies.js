@@ -5,13 +5,13 @@
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { perform } from '../../actions/actions.js';
 import { bondsWith, otherEnd, ownEnd } from '../../actions/bonds.js';
-import { leftToDo } from '../../actions/bodies.js';
+import { leftToDo, posedWords } from '../../actions/bodies.js';
 import { menuItem } from '../../actions/buttons.js';
 import { bodyEntries } from '../../actions/context_menus.js';
 import { goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
 import { Stroke } from '../../controls/gesture.js';
 import { heading, openMenuAt } from '../../controls/menu.js';
-import { count, range } from '../../controls/words.js';
+import { range } from '../../controls/words.js';
 import { bodiesBeside, bodyNamed, posedBody } from '../../store/bodies.js';
 import { clampFrame } from '../../store/clip.js';
 import { select } from '../../store/parts.js';
@@ -140,9 +140,9 @@ export const bodyRow = {
   },
 };
 
-/** "3 keyframes, 2 places to confirm". @param {BodyOfScene} body */
+/** "3 keyframes, 12 drafts, 2 places to confirm". @param {BodyOfScene} body */
 function wordsOf(body) {
-  return [count(body.keys.length, 'keyframe'), leftToDo(body)].filter(Boolean).join(', ');
+  return [posedWords(body), leftToDo(body)].filter(Boolean).join(', ');
 }
 
 const below = ({ bodies: row }) => row.y + row.h + 10;
