@@ -19,8 +19,8 @@ export const SHELVES = { adult: 'People', child: 'People', animal: 'Animals', ob
 export function bodyChips() {
   if (bodies().length < 2) return nothing;
   return html`<div class="bodies row" role="group" aria-label="Bodies">
-    ${bodies().map((body) => (ui.bodyNaming === body.id ? naming(body) : chip(body)))}
-    <span class="sp"></span>${addBody('ghost')}
+    <div class="row own">${bodies().map((body) => (ui.bodyNaming === body.id ? naming(body) : chip(body)))}</div>
+    ${addBody('ghost')}
   </div>`;
 }
 
