@@ -38,6 +38,8 @@ const RING = 4;
 const BAR = 4;
 const BOND = { y: 15, h: 3 };
 const DOT = 3.5;
+/** Of a low row's height at most. */
+const MARK = 0.3;
 const MIDDLE = 9;
 const REACH_PX = 6;
 const NAME_LETTERS = 15;
@@ -55,6 +57,9 @@ const row = () => rowHeight(bodiesOfRows().length);
 
 /** A length of a full row in a row as it is now, px. */
 const fitted = (px) => (px * row()) / ROW;
+
+/** How large a mark is in a row as it is now, px. */
+const markSize = (px) => Math.min(px, row() * MARK);
 
 /** What the rows take, px. */
 export const bodiesHeight = () => bodiesOfRows().length * row();
@@ -204,14 +209,14 @@ function drawRow(body, top) {
   return svg`<g class="bodyrow" style="--body:${body.colour}">
     ${rule}
     ${seenOf(body.segments).map((one) => drawSegment(one, middle))}
-    ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${fitted(RING)} />`)}
-    ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, fitted(KEY))} />`)}
+    ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${markSize(RING)} />`)}
+    ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, markSize(KEY))} />`)}
   </g>`;
 }
 
 function drawSegment({ first, last, state }, middle) {
   const kind = ['good', 'check', 'lost'].includes(state) ? `f-${state}` : 'open';
-  return svg`<rect class="bodybar ${kind}" x=${x(first)} y=${middle - fitted(BAR) / 2} height=${fitted(BAR)}
+  return svg`<rect class="bodybar ${kind}" x=${x(first)} y=${middle - markSize(BAR) / 2} height=${markSize(BAR)}
     width=${Math.max(1, x(last) - x(first))} />`;
 }
 
@@ -220,7 +225,7 @@ const drawBonds = ({ id }, top) => seenOf(bondsWith(id)).map((one) => drawBond(o
 
 /** @param {Bond} one */
 const drawBond = ({ first, last }, top) => svg`<rect class="bond" x=${x(first - 0.3)} y=${top + fitted(BOND.y)} rx="1.5"
-  width=${x(last + 0.3) - x(first - 0.3)} height=${fitted(BOND.h)} />`;
+  width=${x(last + 0.3) - x(first - 0.3)} height=${markSize(BOND.h)} />`;
 
 /** @param {BodyOfScene} body */
 function drawName({ name, colour }, top) {
