@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import takewhile
 from typing import Annotated, Final, Literal, TypeAlias
 
+import cv2
 import numpy as np
 from pydantic import Field
 
@@ -17,6 +18,7 @@ from keypose.app.posing import part_label
 from keypose.app.posing.labels import number_text
 from keypose.tracker.body.body import Body, Name
 from keypose.tracker.body.pose import pose_transforms
+from keypose.tracker.geometry.camera import Camera
 from keypose.tracker.geometry.rotations import Array, apply_transform
 from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session.bonds import Bond, BondEnd, Moves
@@ -27,6 +29,8 @@ FARTHEST_M: Final = 0.5
 """Points that are farther apart at the frame of a bond do not meet there."""
 APART_M: Final = 0.12
 """As far apart as this they still meet at the frames around it, or twice as far as at its own."""
+DEPTH_SHARE: Final = 1 / 3
+"""Of a distance along the view, where it is asked what is near."""
 LONGEST: Final = 1000
 """Frames before and after its own over which a bond is made by itself."""
 DECIMALS: Final = 4
@@ -38,7 +42,8 @@ class SetBond(Edit):
     """A part of the posed body and a part of a body held together at a frame, and over the frames
     around it at which they are as near.
 
-    body: whose part it is; onto: that part; where left out the nearest of another body.
+    body: whose part it is; onto: that part; where left out the nearest of another body, one over
+    which it lies in the picture before all others.
     """
 
     do: Literal["set_bond"] = "set_bond"
@@ -91,11 +96,19 @@ class SetBond(Edit):
         ]
         if not choices:
             raise ActionRefused("There is no other body to hold: add one first.")
-        apart = []
-        for body_id, part in choices:
-            points = _nearest(own, _surface(state.about(body_id), part, frame))
-            apart.append(float(np.linalg.norm(points[0] - points[1])))
-        return choices[int(np.argmin(apart))]
+        if len(choices) == 1:
+            return choices[0]
+        camera = doc.film_camera.at(frame)
+        own_outline = _outline(camera, own)
+
+        def farness(choice: tuple[str, str]) -> tuple[bool, float]:
+            body_id, part = choice
+            surface = _surface(state.about(body_id), part, frame)
+            is_near = float(np.linalg.norm(np.subtract(*_nearest(own, surface)))) <= FARTHEST_M
+            is_over = is_near and _overlap(own_outline, _outline(camera, surface))
+            return not is_over, _apart_as_seen(camera, own, surface)
+
+        return min(choices, key=farness)
 
 
 class ChangeBond(Edit):
@@ -167,6 +180,33 @@ def _nearest(first: Array, second: Array) -> tuple[Array, Array]:
     apart = np.linalg.norm(first[:, None] - second, axis=-1)
     i, j = np.unravel_index(int(np.argmin(apart)), apart.shape)
     return first[i], second[j]
+
+
+def _outline(camera: Camera, points: Array) -> Array:
+    """(n, 1, 2) the hull of points (V, 3) in the picture, pixels; empty where some lie behind the
+    camera."""
+    uv = camera.project(points).astype(np.float32)
+    return np.asarray(cv2.convexHull(uv)) if np.isfinite(uv).all() else np.empty((0, 1, 2))
+
+
+def _overlap(first: Array, second: Array) -> bool:
+    """Whether two hulls lie over each other in the picture."""
+    if not len(first) or not len(second):
+        return False
+    area, _ = cv2.intersectConvexConvex(first, second)
+    return bool(area > 0)
+
+
+def _apart_as_seen(camera: Camera, first: Array, second: Array) -> float:
+    """The least distance of two sets of points, along the view counted as a share of itself: how
+    far something is from the camera is a guess."""
+    away = second - first[:, None]
+    rays = first / np.linalg.norm(first, axis=-1, keepdims=True)
+    if camera.projection != "perspective":
+        rays = np.broadcast_to([0.0, 0.0, 1.0], first.shape)
+    along = np.sum(away * rays[:, None], axis=-1)
+    across = away - along[..., None] * rays[:, None]
+    return float(np.hypot(np.linalg.norm(across, axis=-1), DEPTH_SHARE * along).min())
 
 
 def _end(state: EditorState, body_id: str, part: str, frame: int, p_camera: Array) -> BondEnd:

@@ -251,7 +251,12 @@ def _record(
     if doc.subject.drafted is not None:
         wrong |= _by_frame(doc.subject.drafted.flipped, _other_frames(doc.subject.drafted, taken))
         missing |= {f for f in missing_frames(doc.subject.drafted) if f not in taken}
-        places += [p for p in doc.subject.drafted.places if p.frame not in taken]
+        before = [p for p in doc.subject.drafted.places if p.frame not in taken]
+        if doc.subject.drafted.rest is not None:  # one draft, in two goes
+            drafts = {draft.frame for draft in doc.subject.drafts if draft.frame not in taken}
+            places = _but_ends_beside(places, drafts)
+            before = _but_ends_beside(before, {*poses} & {*taken})
+        places += before
     return record.Drafted(
         first_frame=first,
         last_frame=last,
@@ -261,6 +266,21 @@ def _record(
         flipped=tuple(_flipped_runs(wrong)),
         rest=rest or _left_before(doc, taken),
     )
+
+
+_BEYOND: Final[Mapping[record.Reason, int]] = {"start": -1, "end": 1}
+"""The frame beside an end of a draft, from that end."""
+
+
+def _but_ends_beside(
+    places: Iterable[record.DraftPlace], frames: Collection[int]
+) -> list[record.DraftPlace]:
+    """Places without ends from which a draft of these frames goes on."""
+    return [
+        place
+        for place in places
+        if place.reason not in _BEYOND or place.frame + _BEYOND[place.reason] not in frames
+    ]
 
 
 def _by_frame(

@@ -84,7 +84,7 @@ def _options(order: type) -> list[dict[str, Any]]:
     for option in options:
         if "only" in option:
             option["only"] = [
-                name for name, kind in FORMATS.items() if getattr(kind, option["only"])
+                name for name, kind in FORMATS.items() if kind.is_changed_by(option["only"])
             ]
     return options
 

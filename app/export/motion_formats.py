@@ -73,6 +73,11 @@ class Format:
     scene: bool = False
     of_camera: bool = False
 
+    def is_changed_by(self, only: str) -> bool:
+        """Whether its files depend on an option of formats of a kind: scenes hold all bodies
+        anyway."""
+        return bool(getattr(self, only)) and not (only == "together" and self.scene)
+
     def contents(
         self, recording: Recording, order: MotionOrder, beside: Sequence[Recording] = ()
     ) -> Sequence[str | bytes]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self, TypeAlias
 from keypose.app.jobs.job import Context, Job, Progress, Report
 from keypose.app.jobs.progress import Shares, Wanted, words_of
 from keypose.app.state.job_state import JobState
-from keypose.app.words.jobs import Ending, closing_words, spans_text
+from keypose.app.words.jobs import Ending, bodies_words, closing_words, spans_text
 from keypose.tracker.errors import SessionError
 from keypose.tracker.session import Session
 from keypose.tracker.session.settings import Quality, TrackSettings
@@ -29,6 +29,7 @@ from keypose.tracker.tracking.pool import (
 
 if TYPE_CHECKING:
     from keypose.tracker.storage.results import Results, Span
+    from keypose.tracker.tracking.result import SegmentResult
 
 Found: TypeAlias = PassFinished | SegmentFinished
 
@@ -55,7 +56,8 @@ class Track(Job):
 
     folder: of the session's file, where its imported motion lies.
     verbs: what is done, and has been: "Tracking", "Tracked".
-    whose: " of Anna", where there are several bodies.
+    name: of the body, where there are several.
+    body: the id of the body whose segments these are.
     """
 
     session: bytes
@@ -64,7 +66,8 @@ class Track(Job):
     stages: tuple[Quality, ...]
     folder: str = ""
     verbs: tuple[str, str] = ("Tracking", "Tracked")
-    whose: str = ""
+    name: str = ""
+    body: str = ""
 
     kind = "track"
     fault = "Tracking failed with an internal error ({}). Finished work is kept; try again."
@@ -78,7 +81,7 @@ class Track(Job):
         wanted: Sequence[Wanted],
         stages: Sequence[Quality] = ("full",),
         folder: Path | None = None,
-        whose: str = "",
+        name: str = "",
     ) -> Self:
         """The published method knows no qualities: once is enough."""
         words, paper = session.evidence.words, session.settings.method == "paper"
@@ -89,7 +92,8 @@ class Track(Job):
             tuple(stages)[-1:] if paper else tuple(stages),
             "" if folder is None else str(folder),
             (words.doing.capitalize(), words.done.capitalize()),
-            whose,
+            name,
+            session.subject.id,
         )
 
     @property
@@ -106,7 +110,10 @@ class Track(Job):
 
     @property
     def title(self) -> str:
-        return f"{self.verbs[0]} {spans_text(self.spans)}{self.whose}"
+        return self._titled(self.verbs[0])
+
+    def _titled(self, verb: str) -> str:
+        return f"{verb} {spans_text(self.spans)}{f' of {self.name}' if self.name else ''}"
 
     def run(self, context: Context) -> None:
         """The first error is raised last: it does not stop the other segments."""
@@ -127,15 +134,24 @@ class Track(Job):
         if not complete:
             raise Cancelled
 
-    def closing(self, cancelled: bool, results: Results) -> JobState:
-        """What is shown at its end: what there is of the segments that were to be tracked."""
+    def closing(self, cancelled: bool, results: Results, before: Sequence[Track] = ()) -> JobState:
+        """What is shown at its end: what there is of the segments that were to be tracked. before:
+        what was tracked of other bodies since somebody asked for all of them."""
         state: Ending = "cancelled" if cancelled else "done"
-        title = (
-            "Cancelled" if cancelled else f"{self.verbs[1]} {spans_text(self.spans)}{self.whose}"
-        )
-        segment_results = [results.by_key.get(key) for *_, key in self.wanted]
+        results_of_body = {order.name: order.results_in(results) for order in (*before, self)}
+        segment_results = [result for own in results_of_body.values() for result in own]
         worst = worst_of(track.kind for track in segment_results if track is not None)
-        return JobState(state, title, closing_words(state, segment_results), 100, worst=worst)
+        if before and not cancelled:
+            title = self.verbs[1]
+            words = bodies_words(results_of_body)
+        else:
+            title = "Cancelled" if cancelled else self._titled(self.verbs[1])
+            words = closing_words(state, segment_results)
+        return JobState(state, title, words, 100, worst=worst)
+
+    def results_in(self, results: Results) -> list[SegmentResult | None]:
+        """What there is of its segments by now."""
+        return [results.by_key.get(key) for *_, key in self.wanted]
 
 
 class TrackReporter:

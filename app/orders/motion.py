@@ -93,8 +93,8 @@ class MotionOrder:
         "NAME:left_hand; default: a file each. glb, fbx and usd always hold all bodies in one "
         "scene",
         False,
+        label="All bodies in one file",
         only="together",
-        page=False,
     )
     filter_hz: float | None = option(
         Number("HZ", 0.01, 1000, "a cut-off such as 6Hz", "Hz"),

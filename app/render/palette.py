@@ -32,6 +32,10 @@ BODY_COLOURS: tuple[Colour, ...] = (
     (146, 196, 98),
     (235, 128, 116),
     (128, 158, 240),
+    (176, 96, 236),
+    (160, 108, 50),
+    (64, 136, 150),
+    (204, 58, 70),
 )
 """Of the bodies of a session that are not posed, by their place among all; then from the start."""
 INK: Colour = (24, 27, 33)

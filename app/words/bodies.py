@@ -17,9 +17,9 @@ def body_names(doc: Session) -> dict[str, str]:
     return names
 
 
-def of_body(doc: Session, body_id: str) -> str:
-    """Such as " of Anna", after what is done with a body; empty where there is only one."""
-    return f" of {body_names(doc)[body_id]}" if len(doc.bodies) > 1 else ""
+def name_among_several(doc: Session, body_id: str) -> str:
+    """What a body is called; empty where it is the only one."""
+    return body_names(doc)[body_id] if len(doc.bodies) > 1 else ""
 
 
 def after_id(words: str, body_id: str, session: Session) -> str:

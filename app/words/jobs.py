@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
@@ -34,6 +34,14 @@ def spans_text(spans: Sequence[Span]) -> str:
     if all(before[1] == after[0] for before, after in pairwise(spans)):
         return f"{spans[0][0]}–{spans[-1][1]}"
     return f"{len(spans)} segments"
+
+
+def bodies_words(results_of_body: Mapping[str, Sequence[SegmentResult | None]]) -> str:
+    """Such as "Anna: 3 to check; Ball: 1 good, 3 to check", by their names."""
+    return "; ".join(
+        f"{name}: {closing_words('done', segment_results)}"
+        for name, segment_results in results_of_body.items()
+    )
 
 
 def closing_words(state: Ending, segment_results: Sequence[SegmentResult | None]) -> str:

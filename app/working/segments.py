@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
 from keypose.app.editor.advice import why_nothing_to_do
@@ -16,7 +17,7 @@ from keypose.app.jobs.progress import Wanted, reaching
 from keypose.app.jobs.track import Track, Tracked
 from keypose.app.state.app_state import Running
 from keypose.app.state.job_state import JobState
-from keypose.app.words.bodies import of_body
+from keypose.app.words.bodies import name_among_several
 from keypose.app.working.owner import StateOwner
 from keypose.app.working.queue import Item, Priority, WorkQueue
 from keypose.tracker.session.schema import Session
@@ -50,6 +51,8 @@ class SegmentTracker:
         """The id of the body whose segments these are."""
         self._bodies_left: tuple[str, ...] = ()
         """The bodies that are tracked after it."""
+        self._ended_orders: tuple[Track, ...] = ()
+        """What was tracked before it of other bodies since somebody asked for all of them."""
         self._scope: Scope = "changed"
         self._frames: Span | None = None
 
@@ -63,6 +66,7 @@ class SegmentTracker:
         """No session is open any more."""
         self._waiting = self._interrupted = self._follows = frozenset()
         self._order, self._running, self._bodies_left = None, {}, ()
+        self._ended_orders = ()
 
     def track(self, scope: Scope, frames: Span | None = None) -> None:
         """Track, between two frames where they are given: the body that is posed and, unless that
@@ -75,6 +79,7 @@ class SegmentTracker:
         if not any(edit.about(body_id).doc.spans for body_id in bodies):
             raise ActionRefused(why_nothing_to_do(edit.doc))
         self._scope, self._frames, self._bodies_left = scope, frames, bodies
+        self._ended_orders = ()
         if not self._next_body():
             done = edit.doc.evidence.words.done
             there = "" if frames is None else f" within {frames[0]}–{frames[1]}"
@@ -110,6 +115,7 @@ class SegmentTracker:
         if wanted and not self._is_tracking(wanted):
             is_previewed = set(wanted).isdisjoint(edit.results.wanted(doc, "preview"))
             stages: tuple[Quality, ...] = () if is_previewed else ("preview",)
+            self._ended_orders = ()
             self._start(doc, wanted, (*stages, doc.settings.quality))
             self._follows = frozenset((first, last) for first, last, _ in wanted)
 
@@ -181,7 +187,8 @@ class SegmentTracker:
         assert opened is not None
         place, folder = opened.video.info.path, opened.session_path.parent
         whole = self._host.app_state.editing.settled
-        order = Track.of(doc, place, wanted, stages, folder, of_body(whole, doc.subject.id))
+        name = name_among_several(whole, doc.subject.id)
+        order = Track.of(doc, place, wanted, stages, folder, name)
         self._begins()
         self._order, self._follows = None, frozenset()
         self._keep = tuple(
@@ -222,7 +229,8 @@ class SegmentTracker:
         edit = self._host.app_state.edit
         if not isinstance(partial, Tracked) or edit is None:
             return False
-        self._host.know(edit.results.with_result(partial.found.result, self._keep))
+        result = replace(partial.found.result, body=order.body)
+        self._host.know(edit.results.with_result(result, self._keep))
         if order is self._order and self._is_at_work():
             self._on_tracked(partial)
         return isinstance(partial.found, SegmentFinished)
@@ -244,7 +252,9 @@ class SegmentTracker:
             self._bodies_left = ()
         if isinstance(end, Failed):
             return JobState("failed", order.failed, end.words, 100)
-        return order.closing(end.cancelled, self._host.app_state.editing.results)
+        before = [each for each in self._ended_orders if each.body != order.body]
+        self._ended_orders = (*before, order)
+        return order.closing(end.cancelled, self._host.app_state.editing.results, before)
 
 
 def _spans_to_track(edit: EditorState, scope: Scope, frames: Span | None) -> list[Wanted]:

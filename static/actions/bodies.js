@@ -48,6 +48,12 @@ export function leftToDo({ places, open, segments, worst }) {
   return worst && worst !== 'good' ? `${count(number, 'segment')} ${worst === 'lost' ? 'lost' : 'to check'}` : '';
 }
 
+/** "3 keyframes, 12 drafts": what of it is posed. @param {import('../store/shapes.js').BodyOfScene} body */
+export function posedWords({ keys, drafts }) {
+  if (!drafts) return count(keys.length, 'keyframe');
+  return keys.length ? `${count(keys.length, 'keyframe')}, ${count(drafts, 'draft')}` : count(drafts, 'draft');
+}
+
 /** @param {string} [id] */
 export const removeMessage = (id = posedBody()?.id ?? '') => ({ do: 'remove_body', body: id });
 

@@ -2,6 +2,7 @@
 // what to say of its result.
 
 import { server, setUi, ui } from '../store/state.js';
+import { bodies } from '../store/bodies.js';
 import { clamp } from '../controls/arithmetic.js';
 import { aboutTime, count, joined, range } from '../controls/words.js';
 import { chosenFrames, frameCount, isSurface, lastFrame } from '../store/clip.js';
@@ -107,6 +108,9 @@ export function draftAllMessage([box, ...others]) {
   return { do: 'draft', frame: frame(), box: rounded(box), others: others.map(rounded), ...framesAsked() };
 }
 
+/** "Draft both people", "Draft all 3 people". */
+export const draftAllLabel = (many) => (many === 2 ? 'Draft both people' : `Draft all${many ? ` ${many}` : ''} people`);
+
 export const whyNotDraftAll = (many) => whyNotDrafting() || (many > 1 ? whyNotHere() : 'Only one person is found here');
 
 /** What to say of a box around somebody small, or ''. */
@@ -157,12 +161,18 @@ export function draftedWords(draft) {
 
 function foundWords({ first, last, drafted, missing, rest = [] }) {
   const all = last - first + 1;
-  if (rest.length) return `Drafted ${count(drafted, 'frame')}, ${framesIn(rest)} are left.`;
+  if (rest.length) return `Drafted ${count(drafted, 'frame')}, ${framesIn(rest)} are left${ofAllLeft(framesIn(rest))}.`;
   if (drafted === all) return `Drafted ${count(all, 'frame')}.`;
   const [gap] = missing;
   if (missing.length === 1 && gap[0] === first) return `Drafted ${range(gap[1] + 1, last)}.`;
   if (missing.length === 1 && gap[1] === last) return `Drafted ${range(first, gap[0] - 1)}.`;
   return `Drafted ${drafted} of ${count(all, 'frame')}.`;
+}
+
+/** " of Anna and Ben", where drafts of several bodies were cancelled together; else ''. */
+function ofAllLeft(many) {
+  const cancelled = bodies().filter(({ posed, rest }) => posed || rest === many);
+  return cancelled.length > 1 ? ` of ${joined(cancelled.map(({ name }) => name))}` : '';
 }
 
 /** "No person found in frames 10–30 and 6.": where a draft is missing, the longest of them; or ''. */

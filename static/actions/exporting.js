@@ -3,6 +3,7 @@
 import { orderOf, usualOf, whyNotOrder } from '../controls/order_form.js';
 import { toast } from '../controls/toasts.js';
 import { count, joined } from '../controls/words.js';
+import { bodies } from '../store/bodies.js';
 import { chosenFrames, isSurface, lastFrame } from '../store/clip.js';
 import { EXPORTS, FORMATS } from '../store/orders.js';
 import { fetchOwn } from '../store/storage.js';
@@ -179,7 +180,7 @@ export function furtherOf({ what, format }) {
     if (!only) continue;
     const off = persons && !server.body?.is_persons ? 'Only a person has these' : '';
     further[name] = {
-      out: format !== 'all' && !only.includes(format),
+      out: (format !== 'all' && !only.includes(format)) || (name === 'together' && bodies().length < 2),
       note: format === 'all' ? `of ${joined(only.map((one) => FORMATS[one].label))}` : '',
       options: choices.map((one, i) => (i && off ? { ...one, off } : one)),
     };

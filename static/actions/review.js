@@ -2,7 +2,7 @@
 
 import { chosenFrames } from '../store/clip.js';
 import { isCaughtUp } from '../store/edits.js';
-import { send } from '../store/link.js';
+import { listen, send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { films } from '../store/films.js';
 import { server, setUi, ui, watch } from '../store/state.js';
@@ -12,6 +12,7 @@ import { frame, goTo, isKey, stopPlaying } from './playhead.js';
 import {
   answered,
   answerOf,
+  asked,
   currentRow,
   listOf,
   openRows,
@@ -19,6 +20,8 @@ import {
   placesAbove,
   presentPlace,
   ranked,
+  refused,
+  settled,
   turned,
   withUndone,
 } from './review_list.js';
@@ -55,6 +58,8 @@ export const place = () => (ui.review ? currentRow(ui.review) : undefined);
 
 export function mountReview() {
   watch(['review', 'done'], followAnswers);
+  listen('state', settleAnswer);
+  listen('refused', refuseAnswer);
   watch(['keys', 'u:dragging'], followKeys);
   watch(['job'], followJob);
   watch(['view', 'u:review', 'u:shown', 'u:unreadable'], () => setUi('placeSeen', Boolean(place() && isSeen(place()))));
@@ -89,7 +94,7 @@ function leave() {
 /** Another goal: ranked anew. */
 export function setGoal(px) {
   setUi('reviewGoal', px);
-  if (ui.review) change({ ...listOf(places()), done: ui.review.done });
+  if (ui.review) change({ ...ui.review, ...listOf(places()), done: ui.review.done });
 }
 
 /** What one reads when nothing is left: a lower goal that this film allows; undefined where there is none. */
@@ -118,15 +123,29 @@ export function whyNotAnswer() {
 /** @param {'accepted' | 'unclear'} given */
 export function answer(given) {
   const row = place();
-  if (!row) return;
+  if (!row || isWaiting()) return;
   if (isElsewhere()) return show(row); // what is answered is seen
   // A row that was answered and clicked again has its answer: the list goes on.
   if (answerOf(ui.review, row.id)) return turn(1);
   if (whyNotAnswer()) return; // the same press again answers, once there is something to see
   const now = presentPlace(server.review?.places ?? [], row);
   if (!now) return passGone(row);
-  send({ do: WORDS[given], frame: now.frame, part: now.part });
-  note(row.id, given);
+  const n = send({ do: WORDS[given], frame: now.frame, part: now.part });
+  if (ui.connected) setUi('review', asked(ui.review, row.id, given, n));
+  else note(row.id, given);
+}
+
+/** Whether an answer is on its way: the list goes on once the server has it. */
+const isWaiting = () => Boolean(ui.review?.asked) && ui.connected;
+
+function settleAnswer() {
+  if (!ui.review?.asked) return;
+  const list = settled(ui.review, server.done ?? 0);
+  if (list !== ui.review) goOn(list);
+}
+
+function refuseAnswer({ n, words }) {
+  if (ui.review) change(refused(ui.review, n, words));
 }
 
 /** What was drafted, tracked or deleted meanwhile leaves nothing to answer. */
@@ -141,6 +160,7 @@ function passGone(row) {
 
 /** To the next place (1), or back to the previous one (−1); the list is ranked anew. */
 export function turn(way) {
+  if (isWaiting()) return;
   clearTimeout(timer);
   setUi('reviewHeld', null);
   if (ui.review) change(turned(ui.review, places(), way));
@@ -160,7 +180,11 @@ export function visitOrOpen(id) {
 }
 
 function note(id, what) {
-  const list = answered(ui.review, id, what);
+  goOn(answered(ui.review, id, what));
+}
+
+/** With its last answer the list is ranked anew. */
+function goOn(list) {
   const isLast = openRows(list).length === 0;
   change(isLast ? turned({ ...list, current: null }, places(), 1) : list);
 }

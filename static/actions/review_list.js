@@ -54,6 +54,7 @@ export function answered(list, id, answer) {
   const row = list.rows.find((each) => each.id === id);
   if (!row || answerOf(list, id)) return list;
   const after = { ...list, done: [...list.done, { id, frame: row.frame, label: row.label, answer }] };
+  if (list.current !== null && list.current !== id) return after; // another one is looked at meanwhile
   return { ...after, current: beside(openRows(after), list.rows, id, 1)?.id ?? null };
 }
 
@@ -95,6 +96,40 @@ export const presentPlace = (places, row) =>
 const isAlike = (one, other) =>
   one.kind === other.kind && one.part === other.part && one.first <= other.last && other.first <= one.last;
 
+/**
+ * With an answer that is on its way to the server: it counts once the server has it.
+ * @param {ReviewList} list
+ * @param {string} id
+ * @param {Answer} answer
+ * @param {number} n  Of its message.
+ * @returns {ReviewList}
+ */
+export const asked = (list, id, answer, n) => ({ ...list, asked: { id, answer, n }, refused: null });
+
+/**
+ * The list as it is when the server has done all messages up to a number.
+ * @param {ReviewList} list
+ * @param {number} done
+ * @returns {ReviewList}
+ */
+export function settled(list, done) {
+  if (!list.asked || list.asked.n > done) return list;
+  const { id, answer } = list.asked;
+  return answered({ ...list, asked: null }, id, answer);
+}
+
+/**
+ * With an answer that the server has refused: its row stays open, and says why.
+ * @param {ReviewList} list
+ * @param {number} n  Of the message that was refused.
+ * @param {string} words
+ * @returns {ReviewList}
+ */
+export function refused(list, n, words) {
+  if (list.asked?.n !== n) return list;
+  return { ...list, asked: null, refused: { id: list.asked.id, words } };
+}
+
 /** The open row that follows one in its order, or goes before it; round the end. */
 function beside(open, rows, id, way) {
   const at = open.findIndex((row) => row.id === id);
@@ -119,6 +154,9 @@ export function withUndone(list, places) {
   const undone = list.done.findLast(({ id }) => back.has(id));
   return { ...list, done, current: undone && list.rows.some(({ id }) => id === undone.id) ? undone.id : list.current };
 }
+
+/** Rows of which nobody knows how far they are off go by frame. @param {ReviewPlace[]} rows */
+export const orderWords = (rows) => (rows.some(({ px }) => px !== null) ? 'worst first' : 'in order of frames');
 
 /** @type {[Answer, string][]} */
 const OUTCOMES = [

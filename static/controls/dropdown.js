@@ -7,6 +7,9 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
 import { standAt } from './menu.js';
 
+/** The last of these middles of rows that has room, px; the room itself where none has. */
+export const middleWithin = (middles, room) => middles.findLast((middle) => middle <= room) ?? room;
+
 class DropDown extends HTMLElement {
   static count = 0;
   popId = '';
@@ -134,7 +137,18 @@ class DropDown extends HTMLElement {
     const room = Math.min(420, up ? at.top - 12 : below);
     const tall = Math.min(own.height, room);
     standAt(this.list, at.left, up ? at.top - tall - 4 : at.bottom + 4);
-    style.maxHeight = `${room}px`;
+    style.maxHeight = `${own.height > room ? this.endInRow(room) : room}px`;
+  }
+
+  /** A list that goes on ends in the middle of a row, which shows that it does. */
+  endInRow(room) {
+    const { top, bottom } = this.list.getBoundingClientRect();
+    const border = bottom - this.found('.opts').getBoundingClientRect().bottom;
+    const rows = [...this.list.querySelectorAll('.mi')].map((row) => row.getBoundingClientRect());
+    return middleWithin(
+      rows.map((row) => row.top - top + row.height / 2 + border),
+      room,
+    );
   }
 
   onToggle(event) {

@@ -2,7 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { perform, titleOf } from '../actions/actions.js';
-import { nameBody } from '../actions/bodies.js';
+import { nameBody, posedWords } from '../actions/bodies.js';
 import { bodyEntries } from '../actions/context_menus.js';
 import { actionButton } from '../actions/buttons.js';
 import { dropdown } from '../controls/fields.js';
@@ -19,8 +19,8 @@ export const SHELVES = { adult: 'People', child: 'People', animal: 'Animals', ob
 export function bodyChips() {
   if (bodies().length < 2) return nothing;
   return html`<div class="bodies row" role="group" aria-label="Bodies">
-    ${bodies().map((body) => (ui.bodyNaming === body.id ? naming(body) : chip(body)))}
-    <span class="sp"></span>${addBody('ghost')}
+    <div class="row own">${bodies().map((body) => (ui.bodyNaming === body.id ? naming(body) : chip(body)))}</div>
+    ${addBody('ghost')}
   </div>`;
 }
 
@@ -40,14 +40,14 @@ export const addBody = (kind) =>
 export const firstOfMore = () => (bodies().length < 2 ? actionButton('addBody') : nothing);
 
 /** @param {BodyOfScene} body */
-function chip({ id, name, posed, colour, worst, keys }) {
-  const count = keys.length === 1 ? '1 keyframe' : `${keys.length} keyframes`;
+function chip(body) {
+  const { id, name, posed, colour, worst } = body;
   const pose = () => (posed ? undefined : send({ do: 'pose_body', body: id }));
   return html`<button
     type="button"
     class="chip onebody ${posed ? 'on' : ''}"
     aria-pressed=${posed}
-    title=${`${name}: ${count}${worst ? `, at worst ${worst}` : ''}`}
+    title=${`${name}: ${posedWords(body)}${worst ? `, at worst ${worst}` : ''}`}
     @click=${pose}
     @dblclick=${() => perform('nameBody', id)}
     @contextmenu=${(event) => openEntries(event, id)}

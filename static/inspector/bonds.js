@@ -80,10 +80,13 @@ function bondRow(bond, part) {
     ${words ? html`<p class="note">${words}.</p>` : nothing}`;
 }
 
-/** @param {Bond} bond */
-function apartWords({ apart_cm: apart, worst, keyed }) {
+/** Why its points do not meet, and what to do. @param {Bond} bond */
+export function apartWords({ apart_cm: apart, worst, cause, unposed }) {
+  if (cause === 'unposed') return `${unposed} has no keyframe yet: pose it first`;
   const words = `${apart.toFixed(1)} cm apart at frame ${worst}`;
-  return keyed ? `${words}, where both are keyed: pose them together there` : `${words} until it is tracked`;
+  if (cause === 'keyed') return `${words}, where both are keyed: pose them together there`;
+  if (cause === 'tracked') return `${words}, held apart by their keyframes: pose them together there`;
+  return `${words} until it is tracked`;
 }
 
 const end = (label, value, act) =>

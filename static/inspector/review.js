@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf, whyNot } from '../actions/actions.js';
 import { closeReview, goal, lowerGoal, setGoal, visit } from '../actions/review.js';
-import { doneWords, openRows } from '../actions/review_list.js';
+import { doneWords, openRows, orderWords } from '../actions/review_list.js';
 import { dropdown } from '../controls/dropdown.js';
 import { icon } from '../controls/icons.js';
 import { toggleMenu } from '../controls/menu.js';
@@ -107,7 +107,7 @@ function head(list, left) {
         @click=${closeReview}>Close<kbd>Esc</kbd></button></div>
     ${all ? progress(list.done.length, all, share) : nothing}
     <div class="row rv-goal"><span class="dim">Goal</span>${dropdown(goals())}<span class="sp"></span>
-      ${left ? html`<span class="dim">worst first</span>` : nothing}</div>
+      ${left ? html`<span class="dim">${orderWords(list.rows)}</span>` : nothing}</div>
   </header>`;
 }
 
@@ -165,9 +165,14 @@ function drawRow(list, row, answer) {
 
 /** @param {ReviewPlace} row */
 function actions(row) {
+  const refusal = refusalOf(row);
+  const advice = row.kind === 'draft' ? DRAFT : limbWords(row);
   return html`<div class="row acts">${act('acceptPlace', 'pri')}${act('nextPlace', 'ghost')}${act('cannotTell', 'ghost', false)}</div>
-    <p class="note">${row.kind === 'draft' ? DRAFT : limbWords(row)}</p>`;
+    <p class="note" role=${refusal ? 'status' : nothing}>${refusal ? `Not accepted. ${refusal}` : advice}</p>`;
 }
+
+/** Why its answer was refused, or ''. @param {ReviewPlace} row */
+const refusalOf = ({ id }) => (ui.review?.refused?.id === id ? ui.review.refused.words : '');
 
 const DRAFT = 'Accept makes the draft a keyframe. Correct it on the picture first where it is off.';
 

@@ -66,6 +66,7 @@ export const EXPORTS = {
     {"name": "frames", "label": "Frames", "kind": "range"},
     {"name": "fps", "label": "Rate", "kind": "number", "least": 0.1, "most": 1000, "unit": "frames/s", "empty": "As the video"},
     {"name": "from_zero", "label": "Times", "kind": "switch", "labels": ["As in the video", "From 0"], "note": "From 0 for game engines and web players"},
+    {"name": "together", "label": "All bodies in one file", "kind": "switch", "labels": ["Off", "On"], "only": ["trc", "c3d", "csv", "npz"]},
     {"name": "filter_hz", "label": "Low-pass filter", "kind": "number", "least": 0.01, "most": 1000, "unit": "Hz", "empty": "None", "note": "3 dB down there, both passes together"},
   ],
 };

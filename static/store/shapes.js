@@ -563,6 +563,8 @@
  * @property {boolean} posed
  * @property {string} colour
  * @property {number[]} keys  Frames of its keyframes.
+ * @property {number} drafts  How many it has.
+ * @property {number} rest  How many frames a draft was cancelled before.
  * @property {{ name: string, label: string }[]} parts
  * @property {number[]} places  Frames of a draft to confirm; of the posed body `draft` has them.
  * @property {{ first: number, last: number, state: string }[]} segments
@@ -582,7 +584,8 @@
  * @property {number} apart_cm  How far apart they are at most.
  * @property {number} worst  The frame at which they are.
  * @property {boolean} meet  Whether that is no distance.
- * @property {boolean} keyed  Whether keyframes of both keep them so.
+ * @property {'keyed' | 'unposed' | 'tracked' | 'untracked'} cause  Why they do not meet.
+ * @property {string | null} unposed  The name of a body that has no keyframe.
  */
 
 /** @typedef {{ frame: number, text: string }} Note  Without words a flag. */
@@ -820,6 +823,8 @@
  * @property {ReviewPlace[]} rows  As they were ranked last; answered ones stay among them until the next N.
  * @property {string | null} current  The row's id; null where nothing is left.
  * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
+ * @property {{ id: string, answer: Answer, n: number } | null} [asked]  On its way, with the number of its message.
+ * @property {{ id: string, words: string } | null} [refused]  The answer that was refused last, and why.
  */
 
 /**

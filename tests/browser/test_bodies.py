@@ -55,6 +55,24 @@ def test_a_body_is_added_posed_and_named_beside_the_first_which_is_drawn_in_its_
     screens(at.page, "bodies-1")
 
 
+def test_what_adds_a_body_stands_beside_the_names_and_its_list_shows_that_it_goes_on(
+    at: Desk,
+) -> None:
+    add(at)
+    plus = at.page.locator("#insp .bodies button[aria-haspopup]")
+    tops = [box.bounding_box() for box in (chips(at).nth(0), chips(at).nth(1), plus)]
+    middles = [top["y"] + top["height"] / 2 for top in tops if top is not None]
+    assert max(middles) - min(middles) < 4
+    plus.click()
+    shelf = at.page.locator(".drop-list:popover-open")
+    end = shelf.locator(".opts").evaluate("(list) => list.getBoundingClientRect().bottom")
+    rows = [row.bounding_box() for row in shelf.locator(".mi").all()]
+    cut = [row for row in rows if row is not None and row["y"] < end < row["y"] + row["height"]]
+    assert [abs(row["y"] + row["height"] / 2 - end) < 2 for row in cut] == [True]
+    screen(at.page, "bodies-shelf")
+    at.page.keyboard.press("Escape")
+
+
 def test_a_click_on_a_body_in_the_picture_or_tab_poses_it(at: Desk) -> None:
     add(at)
     points = at.agreed("poses_beside")["body"]["head"]

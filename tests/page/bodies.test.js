@@ -4,7 +4,8 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { whyNot } from '../../static/actions/actions.js';
-import { bodyAhead, leftToDo } from '../../static/actions/bodies.js';
+import { bodyAhead, leftToDo, posedWords } from '../../static/actions/bodies.js';
+import { apartWords } from '../../static/inspector/bonds.js';
 import { server } from '../../static/store/state.js';
 
 const GOOD = { first: 0, last: 20, state: 'good' };
@@ -52,4 +53,24 @@ test('a draft of another is confirmed before the posed one is tracked', () => {
   assert.equal(bodyAhead(), undefined);
   beside({ places: [3] });
   assert.equal(bodyAhead().id, 'bo');
+});
+
+test('a hold whose points are apart says why, and what to do', () => {
+  const apart = { apart_cm: 8, worst: 20, unposed: null };
+  assert.deepEqual(
+    ['untracked', 'tracked', 'keyed'].map((cause) => apartWords({ ...apart, cause })),
+    [
+      '8.0 cm apart at frame 20 until it is tracked',
+      '8.0 cm apart at frame 20, held apart by their keyframes: pose them together there',
+      '8.0 cm apart at frame 20, where both are keyed: pose them together there',
+    ],
+  );
+  assert.equal(apartWords({ ...apart, cause: 'unposed', unposed: 'Ball' }), 'Ball has no keyframe yet: pose it first');
+});
+
+test('a body says its keyframes, and its drafts where it has any', () => {
+  assert.equal(posedWords({ keys: [4], drafts: 0 }), '1 keyframe');
+  assert.equal(posedWords({ keys: [], drafts: 0 }), '0 keyframes');
+  assert.equal(posedWords({ keys: [], drafts: 100 }), '100 drafts');
+  assert.equal(posedWords({ keys: [4, 9], drafts: 1 }), '2 keyframes, 1 draft');
 });

@@ -6,6 +6,7 @@ import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
 import {
   boxFrameFor,
+  draftAllLabel,
   draftedWords,
   draftMessage,
   draftTimeWords,
@@ -208,6 +209,14 @@ test('frames that a draft was cancelled before are left to draft, and no gap', (
   assert.equal(restCount(), 1200);
   assert.equal(labelOf('draftRest'), 'Draft the remaining 1200 frames');
   assert.equal(whyNot('draftRest'), '');
+  const cancelled = (name, more = {}) => ({ name, posed: false, rest: 1200, ...more });
+  server.bodies = [cancelled('Anna', { posed: true }), cancelled('Ben'), cancelled('Ball', { rest: 0 })];
+  assert.equal(draftedWords(draft), 'Drafted 300 frames, 1200 are left of Anna and Ben.');
+  server.bodies = [];
   server.draft = { ...draft, rest: [] };
   assert.equal(whyNot('draftRest'), 'No frames are left to draft');
+});
+
+test('everybody is drafted at once, two as both', () => {
+  assert.deepEqual([0, 2, 3].map(draftAllLabel), ['Draft all people', 'Draft both people', 'Draft all 3 people']);
 });

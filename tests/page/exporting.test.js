@@ -97,6 +97,15 @@ test('motion is asked for with what was chosen of it and what its format heeds',
   assert.equal(asked({ origin: 'camera' }, 'chan').origin, 'camera');
 });
 
+test('several bodies share one file where that is chosen and the format can', () => {
+  const asked = (format) => new URLSearchParams(motionAddress(chosen('motion', { together: 'true' }, format)));
+  assert.equal(asked('trc').get('together'), null, 'there is one body');
+  server.bodies = [{ id: 'ann' }, { id: 'bo' }];
+  for (const format of ['trc', 'c3d', 'csv', 'npz']) assert.equal(asked(format).get('together'), 'true');
+  for (const format of ['glb', 'bvh', 'chan']) assert.equal(asked(format).get('together'), null);
+  server.bodies = [];
+});
+
 test('what is not installed says what mends it', () => {
   setUi('exportMissing', { usd: "pip install 'keypose[usd]'" });
   assert.equal(notInstalled('usd'), "USD needs usd-core: pip install 'keypose[usd]'");

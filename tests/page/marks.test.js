@@ -6,7 +6,7 @@ import { beforeEach, test } from 'node:test';
 import * as selection from '../../static/actions/selection.js';
 import { showAll, showFrames } from '../../static/actions/window.js';
 import { server, ui } from '../../static/store/state.js';
-import { bodiesHeight } from '../../static/timeline/marks/bodies.js';
+import { bodiesHeight, rowHeight } from '../../static/timeline/marks/bodies.js';
 import { filmsHeight } from '../../static/timeline/marks/films.js';
 import { MARKS, under } from '../../static/timeline/marks.js';
 import * as scale from '../../static/timeline/draw/scale.js';
@@ -131,6 +131,20 @@ test('what parts of the posed body hold of each other has a row of its own below
   assert.deepEqual([at(61, y).kind, at(61, y).index], ['bond', 4]);
   assert.equal(at(44, y).kind, 'body', 'the other one lies in the row of the body that is held');
   assert.equal(at(61, rows.bodies.y + 17).kind, 'body');
+});
+
+test('more than four bodies have lower rows, each found where it is drawn', () => {
+  assert.deepEqual([1, 4].map(rowHeight), [20, 20]);
+  const beside = Array.from({ length: 9 }, (_, at) => ({ ...server.bodies[1], id: `q${at}`, keys: [] }));
+  server.bodies = [server.bodies[0], ...beside];
+  server.bonds = [];
+  const { rows } = stage();
+  assert.equal(rows.bodies.h, 90);
+  const found = beside.map((_, at) => under({ x: scale.x(30), y: rows.bodies.y + 10 * at + 5 }, stage()).what.id);
+  assert.deepEqual(
+    found,
+    beside.map(({ id }) => id),
+  );
 });
 
 test('where marks lie over each other, the one listed first is meant', () => {

@@ -6,14 +6,18 @@ import './browser.js';
 import {
   answered,
   answerOf,
+  asked,
   currentRow,
   doneWords,
   listOf,
   openRows,
+  orderWords,
   pauseLeft,
   placesAbove,
   presentPlace,
   ranked,
+  refused,
+  settled,
   turned,
   withUndone,
 } from '../../static/actions/review_list.js';
@@ -43,6 +47,30 @@ test('an answer leaves every row where it is and goes on to the next open one', 
   const skipped = answered({ ...list, current: '56' }, '56', 'unclear');
   assert.equal(skipped.current, '21');
   assert.equal(answered(skipped, '21', 'accepted').current, '34', 'round the end');
+});
+
+test('an answer counts once the server has it', () => {
+  const list = asked(listOf(PLACES), '87', 'accepted', 12);
+  assert.equal(answerOf(list, '87'), undefined);
+  assert.equal(list.current, '87');
+  assert.equal(settled(list, 11), list);
+  const after = settled(list, 12);
+  assert.equal(answerOf(after, '87'), 'accepted');
+  assert.equal(after.current, '34');
+});
+
+test('what the server refuses stays open and says why', () => {
+  const list = refused(asked(listOf(PLACES), '87', 'accepted', 12), 12, 'This draft is wrong.');
+  assert.equal(list.current, '87');
+  assert.equal(settled(list, 12), list, 'it is not counted');
+  assert.deepEqual(list.done, []);
+  assert.deepEqual(list.refused, { id: '87', words: 'This draft is wrong.' });
+  assert.equal(asked(list, '87', 'unclear', 13).refused, null);
+});
+
+test('a refusal of anything else leaves the list alone', () => {
+  const list = asked(listOf(PLACES), '87', 'accepted', 12);
+  assert.equal(refused(list, 11, 'No.'), list);
 });
 
 test('an answer counts once', () => {
@@ -139,4 +167,10 @@ test('a place tracked anew is the one of its limb at its time, under another fra
   assert.equal(presentPlace([other, spanned('90-left_shin', 'left_shin', 90, 92)], row), undefined);
   const list = ranked({ ...listOf([row]), current: row.id }, [other, moved]);
   assert.deepEqual(list.rows, [other, row], 'what is looked at keeps its frame');
+});
+
+test('places go by frame where nobody knows how far any is off, else the worst goes first', () => {
+  assert.equal(orderWords(PLACES), 'worst first');
+  assert.equal(orderWords([place('3', null), place('9', null)]), 'in order of frames');
+  assert.equal(orderWords([...PLACES, place('90', null)]), 'worst first');
 });

@@ -201,6 +201,7 @@ class SegmentResult:
     key: of what it was tracked for, see `keypose.tracker.storage.fingerprints`; empty where not
         known.
     quality: what it was found with.
+    body: the id of the body that it is of; empty where not known.
     before_space: the trajectory as tracked, where `trajectory` is that of the last solve in space.
     """
 
@@ -216,6 +217,7 @@ class SegmentResult:
     unreached: tuple[int, int] | None = None
     key: str = ""
     quality: Quality = "full"
+    body: str = ""
     before_space: Trajectory | None = None
 
     @classmethod

@@ -20,7 +20,8 @@ MOST_FRAMES: Final = 60
 
 
 def bonds(app_state: AppState) -> Json:
-    """Every bond that holds the posed body, with its number among all of the session."""
+    """Every bond that holds the posed body, with its number among all of the session; its frames
+    follow a gesture under way."""
     edit = app_state.edit
     if edit is None:
         return []
@@ -33,9 +34,9 @@ def bonds(app_state: AppState) -> Json:
             "first": bond.first_frame,
             "last": bond.last_frame,
             "moves": bond.moves,
-            **_apart(edit, bond),
+            **_apart(edit, bond, names),
         }
-        for index, bond in enumerate(edit.settled.bonds)
+        for index, bond in enumerate(edit.doc.bonds)
         if posed in bond.bodies
     ]
 
@@ -49,18 +50,41 @@ def _end(end: BondEnd, names: dict[str, str]) -> Json:
     }
 
 
-def _apart(edit: EditorState, bond: Bond) -> dict[str, Json]:
+def _apart(edit: EditorState, bond: Bond, names: dict[str, str]) -> dict[str, Json]:
     """How far apart its points are at most, as far as they are shown, and where; whether they meet
-    there, or keyframes of both keep them apart."""
+    there, and why not: "keyed" where keyframes of both keep them apart, "unposed" with the name of
+    a body without a keyframe, "tracked" where both are up to date, else "untracked"."""
+    keyed = keyed_apart(edit.settled, bond)
+    worst, metres = keyed if keyed is not None and keyed[1] > MEET_M else _farthest(edit, bond)
+    bodies = {body.id: body for body in edit.settled.bodies}
+    unposed = [names[body] for body in bond.bodies if not bodies[body].keyframes]
+    if keyed is not None and keyed[1] > MEET_M:
+        cause = "keyed"
+    elif unposed:
+        cause = "unposed"
+    else:
+        is_tracked = all(_is_up_to_date(edit.about(body), worst) for body in bond.bodies)
+        cause = "tracked" if is_tracked else "untracked"
+    apart_cm = round(100 * metres, 1)
+    return {
+        "apart_cm": apart_cm,
+        "worst": worst,
+        "meet": apart_cm <= 100 * MEET_M,
+        "cause": cause,
+        "unposed": unposed[0] if unposed else None,
+    }
+
+
+def _farthest(edit: EditorState, bond: Bond) -> tuple[int, float]:
+    """The frame at which the points of a bond are shown farthest apart, and how far, metres."""
     count = bond.last_frame - bond.first_frame + 1
     frames = np.linspace(bond.first_frame, bond.last_frame, min(count, MOST_FRAMES)).astype(int)
-    keyed = keyed_apart(edit.settled, bond)
-    is_keyed = keyed is not None and keyed[1] > MEET_M
-    if keyed is not None and is_keyed:
-        worst, metres = keyed
-    else:
-        apart = [apart_m(edit, bond, int(frame)) for frame in frames]
-        worst, metres = int(frames[np.argmax(apart)]), max(apart)
-    apart_cm = round(100 * metres, 1)
-    is_met = apart_cm <= 100 * MEET_M
-    return {"apart_cm": apart_cm, "worst": worst, "meet": is_met, "keyed": is_keyed}
+    apart = [apart_m(edit, bond, int(frame)) for frame in frames]
+    return int(frames[np.argmax(apart)]), max(apart)
+
+
+def _is_up_to_date(alone: EditorState, frame: int) -> bool:
+    """Whether a body is tracked at a frame, and its motion solved for in space there."""
+    unsolved = alone.results.unsolved(alone.settled)
+    is_solved = not any(run.span[0] <= frame <= run.span[1] for run in unsolved)
+    return is_solved and alone.tracked(frame) is not None

@@ -60,8 +60,8 @@ def _posed(app_state: AppState) -> tuple[Any, ...]:
 
 
 def _bonds(app_state: AppState) -> tuple[Any, ...]:
-    """The bonds, without a gesture under way."""
-    return () if app_state.edit is None else app_state.edit.settled.bonds
+    """The bonds, as a gesture under way has them."""
+    return () if app_state.edit is None else app_state.edit.doc.bonds
 
 
 def _bodies(app_state: AppState) -> tuple[Any, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from keypose.app.editor.drafted import frames_of
 from keypose.app.editor.shown import places_to_confirm, transforms_beside
 from keypose.app.editor.state import EditorState
 from keypose.app.posing import part_label
@@ -10,12 +11,14 @@ from keypose.app.state.app_state import AppState
 from keypose.app.store.sections.json_value import Json
 from keypose.app.store.sections.space_values import solids_of
 from keypose.app.words.bodies import body_names
+from keypose.tracker.session.bodies import TrackedBody
 from keypose.tracker.session.verdict import VERDICT_KINDS, worst_of
 
 
 def bodies(app_state: AppState) -> Json:
     """Every body: what it is called, its keyframes and segments, the verdict on the worst of these,
-    how many have none; and the places of a draft to confirm, of those that are not posed."""
+    how many have none; how many drafts it has, and how many frames are left to draft; and the
+    places of a draft to confirm, of those that are not posed."""
     edit = app_state.edit
     if edit is None:
         return []
@@ -29,12 +32,19 @@ def bodies(app_state: AppState) -> Json:
             "posed": body.id == posed,
             "colour": _hex(place),
             "keys": [keyframe.frame for keyframe in body.keyframes],
+            "drafts": len(body.drafts),
+            "rest": _left_to_draft(body),
             "parts": [{"name": name, "label": part_label(name)} for name in body.body.names],
             "places": [] if body.id == posed else _places(edit.about(body.id)),
             **_tracked(edit.about(body.id)),
         }
         for place, body in enumerate(doc.bodies)
     ]
+
+
+def _left_to_draft(body: TrackedBody) -> int:
+    rest = None if body.drafted is None else body.drafted.rest
+    return 0 if rest is None else len(frames_of(rest.frames))
 
 
 def _places(alone: EditorState) -> list[int]:

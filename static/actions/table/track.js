@@ -5,6 +5,7 @@ import { count } from '../../controls/words.js';
 import { server, setUi } from '../../store/state.js';
 import { words } from '../../store/clip.js';
 import {
+  draftAllLabel,
   draftAllMessage,
   draftLabel,
   draftMessage,
@@ -212,7 +213,7 @@ export const TRACK = {
   },
   draftAll: {
     also: 'automatic auto detect everybody everyone several people pair dance',
-    label: () => `Draft all ${peopleHere().length || ''} people`.replace('  ', ' '),
+    label: () => draftAllLabel(peopleHere().length),
     icon: 'person',
     title: 'Follow everybody together: each becomes a body, and nobody is taken for another',
     off: () => whyNotDraftAll(peopleHere().length),

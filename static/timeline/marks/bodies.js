@@ -5,13 +5,13 @@
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { perform } from '../../actions/actions.js';
 import { bondsWith, otherEnd, ownEnd } from '../../actions/bonds.js';
-import { leftToDo } from '../../actions/bodies.js';
+import { leftToDo, posedWords } from '../../actions/bodies.js';
 import { menuItem } from '../../actions/buttons.js';
 import { bodyEntries } from '../../actions/context_menus.js';
 import { goTo, keyFrames, stopPlaying } from '../../actions/playhead.js';
 import { Stroke } from '../../controls/gesture.js';
 import { heading, openMenuAt } from '../../controls/menu.js';
-import { count, range } from '../../controls/words.js';
+import { range } from '../../controls/words.js';
 import { bodiesBeside, bodyNamed, posedBody } from '../../store/bodies.js';
 import { clampFrame } from '../../store/clip.js';
 import { select } from '../../store/parts.js';
@@ -24,11 +24,23 @@ import { held } from '../pointer.js';
 /** @typedef {import('../../store/shapes.js').Bond} Bond */
 
 const ROW = 20;
-/** Of what is drawn in a row, px: keyframes, places to confirm, segments, bonds. */
+/** More rows are lower, so that the views keep their height: together, px. */
+const FULL_ROWS = 4;
+const ROWS = 90;
+/** Names in lower rows than this would lie over each other, px. */
+const NAMED = 9;
+const LETTERS = 11;
+/** From the line that letters stand on to their middle, as a share of their size. */
+const CAP = 0.36;
+/** Of what is drawn in a full row, px: keyframes, places to confirm, segments, bonds, a dot beside the name. */
 const KEY = 4;
 const RING = 4;
 const BAR = 4;
 const BOND = { y: 15, h: 3 };
+const DOT = 3.5;
+/** Of a low row's height at most. */
+const MARK = 0.3;
+const MIDDLE = 9;
 const REACH_PX = 6;
 const NAME_LETTERS = 15;
 
@@ -38,8 +50,19 @@ function bodiesOfRows() {
   return posed && bondsWith(posed.id).length ? [...bodiesBeside(), posed] : bodiesBeside();
 }
 
+/** How high each of so many rows is, px. */
+export const rowHeight = (many) => (many > FULL_ROWS ? ROWS / many : ROW);
+
+const row = () => rowHeight(bodiesOfRows().length);
+
+/** A length of a full row in a row as it is now, px. */
+const fitted = (px) => (px * row()) / ROW;
+
+/** How large a mark is in a row as it is now, px. */
+const markSize = (px) => Math.min(px, row() * MARK);
+
 /** What the rows take, px. */
-export const bodiesHeight = () => bodiesOfRows().length * ROW;
+export const bodiesHeight = () => bodiesOfRows().length * row();
 
 /** A bond between the posed body and another one, dragged by its ends. @type {import('../mark.js').Mark} */
 export const bond = {
@@ -56,7 +79,7 @@ export const bond = {
   ],
   hit(place, { rows }) {
     const { body, y } = rowAt(rows.bodies, place);
-    if (!body || place.x < GUTTER || y < BOND.y - 2) return null;
+    if (!body || place.x < GUTTER || y < fitted(BOND.y - 2)) return null;
     const one = bondsWith(body.id).find(
       ({ first, last }) => place.x >= x(first) - REACH_PX && place.x <= x(last) + REACH_PX,
     );
@@ -140,18 +163,18 @@ export const bodyRow = {
   },
 };
 
-/** "3 keyframes, 2 places to confirm". @param {BodyOfScene} body */
+/** "3 keyframes, 12 drafts, 2 places to confirm". @param {BodyOfScene} body */
 function wordsOf(body) {
-  return [count(body.keys.length, 'keyframe'), leftToDo(body)].filter(Boolean).join(', ');
+  return [posedWords(body), leftToDo(body)].filter(Boolean).join(', ');
 }
 
-const below = ({ bodies: row }) => row.y + row.h + 10;
-const topOf = (row, at) => row.y + at * ROW;
+const below = ({ bodies: box }) => box.y + box.h + 10;
+const topOf = (box, at) => box.y + at * row();
 
 /** The body whose row is at a place, and how far below its top that is. */
-function rowAt(row, place) {
-  const at = Math.floor((place.y - row.y) / ROW);
-  return { body: bodiesOfRows()[at], y: place.y - topOf(row, at) };
+function rowAt(box, place) {
+  const at = Math.floor((place.y - box.y) / row());
+  return { body: bodiesOfRows()[at], y: place.y - topOf(box, at) };
 }
 
 /** Its keyframe or place to confirm near a pixel, else the frame there; null beside the frames. The posed body
@@ -180,20 +203,20 @@ function drawBondWords(one, rows) {
 
 /** @param {BodyOfScene} body */
 function drawRow(body, top) {
-  const middle = top + 9;
-  const rule = svg`<path class="rule" d=${`M${GUTTER} ${top + ROW - 0.5}H100000`} />`;
+  const middle = top + fitted(MIDDLE);
+  const rule = svg`<path class="rule" d=${`M${GUTTER} ${top + row() - 0.5}H100000`} />`;
   if (body.posed) return svg`<g class="bodyrow">${rule}</g>`;
   return svg`<g class="bodyrow" style="--body:${body.colour}">
     ${rule}
     ${seenOf(body.segments).map((one) => drawSegment(one, middle))}
-    ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${RING} />`)}
-    ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, KEY)} />`)}
+    ${seenOf(body.places).map((at) => svg`<circle class="bodyplace" cx=${x(at)} cy=${middle} r=${markSize(RING)} />`)}
+    ${seenOf(body.keys).map((at) => svg`<path class="bodykey" d=${diamond(x(at), middle, markSize(KEY))} />`)}
   </g>`;
 }
 
 function drawSegment({ first, last, state }, middle) {
   const kind = ['good', 'check', 'lost'].includes(state) ? `f-${state}` : 'open';
-  return svg`<rect class="bodybar ${kind}" x=${x(first)} y=${middle - BAR / 2} height=${BAR}
+  return svg`<rect class="bodybar ${kind}" x=${x(first)} y=${middle - markSize(BAR) / 2} height=${markSize(BAR)}
     width=${Math.max(1, x(last) - x(first))} />`;
 }
 
@@ -201,12 +224,18 @@ function drawSegment({ first, last, state }, middle) {
 const drawBonds = ({ id }, top) => seenOf(bondsWith(id)).map((one) => drawBond(one, top));
 
 /** @param {Bond} one */
-const drawBond = ({ first, last }, top) => svg`<rect class="bond" x=${x(first - 0.3)} y=${top + BOND.y} rx="1.5"
-  width=${x(last + 0.3) - x(first - 0.3)} height=${BOND.h} />`;
+const drawBond = ({ first, last }, top) => svg`<rect class="bond" x=${x(first - 0.3)} y=${top + fitted(BOND.y)} rx="1.5"
+  width=${x(last + 0.3) - x(first - 0.3)} height=${markSize(BOND.h)} />`;
 
 /** @param {BodyOfScene} body */
 function drawName({ name, colour }, top) {
   const cut = name.length > NAME_LETTERS ? `${name.slice(0, NAME_LETTERS - 1)}…` : name;
-  return svg`<circle cx="15" cy=${top + 9} r="3.5" style="fill:${colour}" />
-    <text class="lbl" x="24" y=${top + 13}>${cut}</text>`;
+  const middle = top + fitted(MIDDLE);
+  const letters = Math.min(LETTERS, row());
+  const words =
+    row() < NAMED
+      ? nothing
+      : svg`<text class="lbl" x="24" y=${middle + letters * CAP}
+    style="font-size:${letters}px">${cut}</text>`;
+  return svg`<circle cx="15" cy=${middle} r=${Math.min(DOT, row() / 2)} style="fill:${colour}" />${words}`;
 }

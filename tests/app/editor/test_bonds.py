@@ -14,6 +14,7 @@ from keypose.tracker.errors import KeyposeError
 from keypose.tracker.session.bonds import Bond
 from tests.app.editor.desk import after, desk
 
+PARTS = (("box", "box"), ("body", "left_hand"))
 HOLD = {"do": "set_bond", "part": "right_hand", "frame": 0}
 GO_BACK = {"do": "pose_body", "body": "body"}
 
@@ -62,6 +63,33 @@ def test_a_hold_is_longer_or_shorter_and_let_go() -> None:
     state = after(state, {"do": "change_bond", "index": 0, "moves": "both"})
     assert bond_of(state).moves == "both"
     assert after(state, {"do": "delete_bond", "index": 0}).doc.bonds == ()
+
+
+def put(state: EditorState, preset: str, place: Any) -> EditorState:
+    """A thing posed at a place of the camera frame."""
+    x, y, z = np.asarray(place).tolist()
+    added = after(state, {"do": "add_body", "preset": preset})
+    return after(added, {"do": "root", "x": x, "y": y, "z": z}, {"do": "add_key", "frame": 0})
+
+
+def test_what_is_over_a_thing_in_the_picture_goes_before_what_is_nearer_in_space() -> None:
+    hand = part_at(desk(), "left_hand", 0)[:3, 3]
+    nearer = hand * (1 - 0.4 / np.linalg.norm(hand))
+    beside = put(desk(), "box", nearer - [0.4, 0.0, 0.0])
+    state = put(beside, "stick", nearer - [0.0, -0.55, 0.0])
+    box, on_hand = (part_at(state.about(body), part, 0)[:3, 3] for body, part in PARTS)
+    assert np.linalg.norm(box - nearer) < np.linalg.norm(on_hand - nearer) + 0.01
+    bond = bond_of(after(state, {**HOLD, "part": "stick"}))
+    assert (bond.holder.body, bond.holder.part) == ("body", "left_hand")
+
+
+def test_what_is_far_behind_a_thing_in_the_picture_does_not_go_before_what_it_touches() -> None:
+    hand = part_at(desk(), "left_hand", 0)[:3, 3]
+    nearer = hand * (1 - 1.5 / np.linalg.norm(hand))
+    beside = put(desk(), "box", nearer - [0.2, 0.0, 0.0])
+    state = put(beside, "stick", nearer - [0.0, -0.55, 0.0])
+    bond = bond_of(after(state, {**HOLD, "part": "stick"}))
+    assert {end.body for end in bond.ends} == {"box", "stick"}
 
 
 def hand_moved(state: EditorState, **about: Any) -> EditorState:

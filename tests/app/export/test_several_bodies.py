@@ -327,7 +327,7 @@ def test_together_is_refused_where_no_format_can(
 ) -> None:
     out = str(path.parent / "o")
     assert main(["export", str(path), "--format", "bvh", "--together", "--out", out]) == 2
-    assert "--together is for glb, fbx, usd, trc, c3d, csv and npz alone" in (
+    assert "All bodies in one file is for glb, fbx, usd, trc, c3d, csv and npz alone" in (
         capsys.readouterr().err
     )
     assert not Path(out).exists()

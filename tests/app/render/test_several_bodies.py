@@ -7,7 +7,7 @@ import re
 from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -24,7 +24,7 @@ from keypose.app.render.painting import (
     form_of,
     paint_figures,
 )
-from keypose.app.render.palette import body_colour
+from keypose.app.render.palette import BODY_COLOURS, body_colour
 from keypose.tracker.body.pose import pose_transforms
 from keypose.tracker.geometry.view import ViewCamera
 from keypose.tracker.session import Session
@@ -34,6 +34,8 @@ from tests.app.bodies_cases import of_two
 from tests.app.render import test_pictures as cases
 from tests.scenes import sample
 
+TOLD_APART: Final = 24.0
+"""Between colours in CIELAB: ten times what an eye just sees side by side."""
 SHEET = np.full((cases.CAMERA.height, cases.CAMERA.width, 3), 90, dtype=np.uint8)
 VIEW = ViewCamera.of(cases.CAMERA)
 
@@ -136,3 +138,12 @@ def _has(picture: np.ndarray) -> bool:
     """Whether the second body's pink is on it: much more red than green, shaded or not."""
     blue, green, red = (picture[..., k].astype(int) for k in range(3))
     return bool(((red - green > 50) & (blue - green > 20)).sum() > 100)
+
+
+def test_ten_bodies_have_colours_that_can_be_told_apart() -> None:
+    colours = [body_colour(place) for place in range(10)]
+    assert len(BODY_COLOURS) == 10
+    rgb = np.array([colours], dtype=np.float32) / 255
+    lab = cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB)[0]
+    apart = np.linalg.norm(lab[:, None] - lab, axis=-1)
+    assert apart[~np.eye(10, dtype=bool)].min() > TOLD_APART

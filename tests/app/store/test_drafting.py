@@ -24,7 +24,7 @@ from keypose.tracker.body.trajectory import Pass, interpolate
 from keypose.tracker.fitting.draft import ClipDraft, DraftProgress, Proposal
 from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.session import Session
-from keypose.tracker.session.annotations import FlippedDrafts
+from keypose.tracker.session.annotations import FlippedDrafts, Reason
 from keypose.tracker.session.verdict import GOOD
 from keypose.tracker.storage.files import load_session, save_session
 from keypose.tracker.storage.results import Results, segment_keys
@@ -66,13 +66,14 @@ class Desk(StoreDesk):
         *frames: int,
         detected: tuple[int, int] | None = None,
         flipped: tuple[FlippedDrafts, ...] = (),
+        last: Reason = "flip",
     ) -> None:
         """The draft ends with poses at these frames. detected: in those alone, once cancelled.
-        flipped: those of which a limb is wrong."""
+        flipped: those of which a limb is wrong.  last: why the last of them is to be confirmed."""
         pose = Pose.rest(Skeleton.of(BODY), (0.0, 0.0, 4.0))
         rows = np.full((5, len(JOINTS), 2), 7.0)
         keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
-        proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
+        proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], last, ("left_thigh",)))
         judged: Any = None
         draft = ClipDraft(BODY, dict.fromkeys(frames, pose), keypoints, proposals, judged, flipped)
         Worker.newest.end([Drafted(draft, "abc", detected)])
@@ -309,6 +310,16 @@ async def test_what_a_cancelled_draft_has_found_is_one_step_and_the_rest_is_draf
     assert desk.section("draft")["rest"] == []
     desk.do({"do": "undo"}, {"do": "undo"}, {"do": "undo"})
     assert desk.section("draft") is None
+
+
+async def test_a_draft_in_two_goes_has_one_first_and_one_last_frame(desk: Desk) -> None:
+    count = desk.doc.view.video.frame_count
+    desk.do(DRAFT, {"do": "cancel"})
+    desk.find(*range(21), detected=(0, 20), last="end")
+    desk.do({"do": "draft_rest"})
+    desk.find(*range(10, count), last="end")
+    places = [(each["frame"], each["reason"]) for each in desk.section("draft")["proposals"]]
+    assert places == [(0, "start"), (count - 1, "end")]
 
 
 async def test_a_draft_of_other_frames_leaves_what_remains(desk: Desk) -> None:

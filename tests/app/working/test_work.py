@@ -33,6 +33,7 @@ from keypose.tracker.storage.results import Results, segment_keys
 from keypose.tracker.tracking.pool import PassFinished, SegmentFinished, never
 from keypose.tracker.tracking.result import SegmentResult
 from tests.app import surface_cases
+from tests.app.bodies_cases import of_two
 from tests.app.editor.desk import after, desk
 from tests.app.editor.test_live import track
 from tests.app.jobs.job_cases import segment_done
@@ -468,6 +469,22 @@ def test_a_job_reports_its_passes_and_then_what_was_found(work: Work) -> None:
     assert work.job.words == "2 good, 1 to check"
     assert work.job.worst == "check"
     assert work.news.count(True) == 3
+
+
+def test_of_several_bodies_the_end_tells_of_all(work: Work) -> None:
+    two = of_two(desk().doc)
+    work.track(replace(desk(), doc=two), "all")
+    for job, kinds in ((1, ("check", "check", "check")), (2, ("good", "check", "check"))):
+        for number, kind in enumerate(kinds):
+            finish(work, number, kind, job)
+        work.orders.say(Finished(job))
+    assert (work.job.state, work.job.title) == ("done", "Tracked")
+    assert work.job.words == "Adult male: 3 to check; Adult male 2: 1 good, 2 to check"
+    assert work.job.worst == "check"
+    assert {each.body for each in work.results.by_key.values()} == {"body", "second"}
+    work.segments.track("this")
+    work.orders.say(Finished(3))
+    assert work.job.title == "Tracked 0–24 of Adult male", "of what was asked for last alone"
 
 
 def test_a_job_that_is_cancelled_or_fails_says_what_is_kept(work: Work) -> None:

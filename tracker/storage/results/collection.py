@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal, TypeAlias
@@ -112,7 +112,8 @@ class Results:
     def states(self, session: Session) -> dict[Span, State]:
         """The state of every segment: its verdict, "outdated", or "none"."""
         keys = segment_keys(session)
-        return {span: self._state(span, key) for span, key in keys.items()}
+        own = [each.span for each in self.by_key.values() if each.body in ("", session.subject.id)]
+        return {span: self._state(span, key, own) for span, key in keys.items()}
 
     def _holds(self, key: str, least: int) -> bool:
         segment_result = self.by_key.get(key)
@@ -120,12 +121,13 @@ class Results:
             return False
         return CARE[segment_result.quality] >= least
 
-    def _state(self, span: Span, key: str) -> State:
+    def _state(self, span: Span, key: str, tracked: Sequence[Span]) -> State:
+        """tracked: what was tracked of the body, also what fits no more."""
         segment_result = self.by_key.get(key)
         if segment_result is not None and segment_result.kind is not None:
             return segment_result.kind
         first, last = span
-        touched = any(r.first < last and r.last > first for r in self.by_key.values())
+        touched = any(start < last and end > first for start, end in tracked)
         return "outdated" if touched else "none"
 
 

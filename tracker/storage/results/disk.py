@@ -6,7 +6,7 @@ import hashlib
 import re
 import time
 from contextlib import suppress
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +61,8 @@ def _own_results(session: Session, session_path: Path) -> Results:
         if path is not None:
             key = summary.key or _key(session, keys, path)
             segment_result = _result(session.subject.results, summary, tracks, path, key)
-            results = results.with_result(segment_result, keep=results.by_key)
+            own = replace(segment_result, body=session.subject.id)
+            results = results.with_result(own, keep=results.by_key)
     for stretch in session.subject.results.space:
         path = _path(tracks, stretch, None)
         if path is not None:

@@ -124,6 +124,16 @@ def test_a_result_of_another_pose_is_kept_and_does_not_fit(tmp_path: Path, known
     assert loaded.states(moved(of)) == {(0, 4): "good", (4, 8): "outdated"}
 
 
+def test_what_was_tracked_of_another_body_makes_no_segment_outdated(tmp_path: Path) -> None:
+    path, of = tmp_path / "session.json", session()
+    of = save_results(of, path, both(of))
+    beside = moved(of).subject.model_copy(update={"id": "body-2", "results": None})
+    of = of.model_copy(update={"bodies": (of.subject, beside)})
+    loaded, _ = load_all_results(of, path)
+    assert loaded.states(of) == dict.fromkeys(of.spans, "outdated"), "it may hide the first"
+    assert loaded.states(of.about("body-2"))[4, 8] == "none"
+
+
 @pytest.mark.parametrize("change", [narrower, by_the_paper])
 def test_results_of_another_setup_are_kept_and_do_not_fit(tmp_path: Path, change: object) -> None:
     assert callable(change)
