@@ -35,8 +35,8 @@ LABEL: Final = "add a film"
 PLACED: Final = "find the film's camera"
 POSED: Final = ("keyframes", "part_keyframes", "drafts")
 """What is posed, which another lens moves and all films mend."""
-TAKEN: Final = (*POSED, "camera", "lens_source")
-"""Of the first view and the body, what may be another once the film is there."""
+TAKEN: Final = (*POSED, "camera", "lens_source", "floor_m")
+"""Of the first view, the body and the world, what may be another once the film is there."""
 FOUND_FROM: Final = 0.2
 FOUND_TO: Final = 0.9
 """The shares of the work between which the person is looked for in the film."""

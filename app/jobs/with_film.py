@@ -15,11 +15,13 @@ from keypose.app.jobs.synchronised import Synchronised, joints_at, sightings_of
 from keypose.app.words.films import (
     chosen_words,
     film_words,
+    left_out_words,
     lens_words,
     mended_words,
     opposite_words,
     pair_words,
     rate_words,
+    unfloored_words,
 )
 from keypose.tracker.films.cameras import at_scale_of
 from keypose.tracker.films.offset import FoundOffset
@@ -80,6 +82,8 @@ def added_words(before: Session, added: AddedFilm) -> tuple[str, ...]:
         opposite_words(added.session, view),
         lens_words(before.view, added.session.view, file),
         mended_words(added.mended),
+        unfloored_words(before),
+        left_out_words(before),
     )
     return tuple(filter(None, words))
 
@@ -118,7 +122,9 @@ def with_film(
     after = _with_view(session, placed)
     of_films = {**others, session.view.id: first_keypoints, view.id: film_keypoints}
     mended = mend_keyframes(after, of_films)
-    film = FoundFilm(mended.session, film_keypoints, network, at, "")
+    # Feet stood on the floor by the first film alone: how far it is is another distance now.
+    unfloored = mended.session.changed({"floor_m": None})
+    film = FoundFilm(unfloored, film_keypoints, network, at, "")
     return AddedFilm(film, best, tuple(further), mended, synchronised.rate, synchronised.pair)
 
 

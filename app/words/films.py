@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from keypose.app.words.bodies import body_names
 from keypose.tracker.errors import listed
 from keypose.tracker.films.errors import FilmErrors
 from keypose.tracker.geometry.rotations import Array, transpose
+from keypose.tracker.keypoints.on_body import is_persons
 from keypose.tracker.session import Session
 from keypose.tracker.session.views import View
 
@@ -43,6 +45,30 @@ def chosen_words(view: View, people: int) -> str:
         f"Of {people} people in {Path(view.video.path).name} the one was taken who moves as in the "
         "first film."
     )
+
+
+def unfloored_words(before: Session) -> str:
+    """Says that feet are to be stood on the floor again; empty where they did not stand there."""
+    if before.world.floor_m is None:
+        return ""
+    return (
+        "The floor was that of the first film alone: stand on the floor again once it is tracked."
+    )
+
+
+def left_out_words(before: Session) -> str:
+    """Says which people of a session are not looked for in a film that is added; empty where there
+    is nobody else."""
+    names = body_names(before)
+    left_out = [
+        names[body.id]
+        for body in before.bodies
+        if body is not before.subject and is_persons(body.body)
+    ]
+    if not left_out:
+        return ""
+    are = "is" if len(left_out) == 1 else "are"
+    return f"{listed(left_out)} {are} not looked for in it: there its pictures count alone."
 
 
 def opposite_words(session: Session, view: View) -> str:

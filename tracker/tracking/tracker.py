@@ -63,7 +63,9 @@ LOOKS_BETWEEN_REPORTS = 8
 ROUNDING: Final = 1e-9
 """Metres, and entries of rotations: by so little other processors and libraries may round apart."""
 
-OTHER_UNSEEN = "another film shows the person at neither keyframe: only its pictures count there"
+OTHER_UNSEEN = (
+    "keypoints of another film show this body at neither keyframe: only its pictures count there"
+)
 WITHOUT_KEYPOINTS = "other films count together with keypoints only: this one alone was used"
 NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
 

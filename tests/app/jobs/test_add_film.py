@@ -237,6 +237,19 @@ def test_keyframes_that_were_posed_in_one_film_are_mended_and_that_is_said(
     assert "2 keyframes were mended by what all films show" in capsys.readouterr().out
 
 
+def test_who_is_not_looked_for_in_it_is_said_and_the_floor_of_one_film_is_left(
+    tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = begun(tmp_path)
+    session = load_session(path).changed({"floor_m": -1.4})
+    partner = session.subject.model_copy(update={"id": "partner", "called": "Ben"})
+    save_session(session.model_copy(update={"bodies": (session.subject, partner)}), path)
+    assert added(path, side).world.floor_m is None
+    words = capsys.readouterr().out
+    assert "The floor was that of the first film alone: stand on the floor again" in words
+    assert "Ben is not looked for in it: there its pictures count alone." in words
+
+
 def test_a_dry_run_says_the_same_and_writes_nothing(
     tmp_path: Path, side: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
