@@ -7,10 +7,13 @@ from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
 
+from keypose.app.cli.arguments import note
 from keypose.app.cli.json_output import print_json
 from keypose.app.document.folder_lock import locked
+from keypose.app.words.bodies import body_names, track_again_words
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import load_session, save_session
+from keypose.tracker.storage.outdated import outdated_beside
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +40,13 @@ def run_change(
     # Reading it reports one that is not there.
     is_held = path.is_file() and not arguments.dry_run
     with locked(path, "close it there first") if is_held else nullcontext():
-        done = change(load_session(path), arguments)
+        before = load_session(path)
+        done = change(before, arguments)
         if not arguments.dry_run:
-            save_session(done.after(), path)
+            after = done.after()
+            save_session(after, path)
+            if outdated := outdated_beside(before, after):
+                note(track_again_words([body_names(after)[body_id] for body_id in outdated]))
     if arguments.json:
         written = None if arguments.dry_run else str(path)
         print_json({"event": "finished", "session": written, **done.facts})

@@ -7,8 +7,10 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
+from keypose.app.cli.arguments import note
 from keypose.app.cli.bodies import about_one
 from keypose.app.cli.change import Change, run_change
 from keypose.app.editor.reduced import Reducible, reduced_session, reducible
@@ -18,8 +20,10 @@ from keypose.tracker.reduction.reduce import reduce_motion
 from keypose.tracker.reduction.result import Reduction
 from keypose.tracker.session import Session
 from keypose.tracker.storage.files import open_video_of
+from keypose.tracker.storage.outdated import outdated_words
 from keypose.tracker.storage.results import load_results
 from keypose.tracker.storage.sidecars import load_first_motion, save_own_motion
+from keypose.tracker.storage.tracks import load_tracks
 
 _FOUND = {"tracked": "tracked", "drafts": "drafted", "imported": "imported"}
 
@@ -31,6 +35,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _change(whole: Session, arguments: argparse.Namespace) -> Change:
     session = about_one(whole, arguments)
     reducible_motion, reduction = _reduced(session, arguments)
+    if reducible_motion.source != "tracked" and arguments.source is None:
+        _say_outdated(session, arguments.session)
     facts = _facts(session, reducible_motion, reduction)
     return Change(
         lambda: _with_reduction(session, reducible_motion, reduction, arguments).about(
@@ -39,6 +45,15 @@ def _change(whole: Session, arguments: argparse.Namespace) -> Change:
         tuple(_lines(reducible_motion, reduction, facts)),
         {**facts, "written": None if arguments.dry_run else str(arguments.session)},
     )
+
+
+def _say_outdated(session: Session, path: Path) -> None:
+    """Say why what was tracked is not what is reduced."""
+    if session.subject.results is None:
+        return
+    words = outdated_words(session, load_tracks(session, path))
+    if words is not None:
+        note(f"{words} Track it again and reduce that, or choose with --source.")
 
 
 def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible, Reduction]:

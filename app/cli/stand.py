@@ -12,7 +12,7 @@ from keypose.app.cli.change import Change, run_change
 from keypose.app.jobs.stand import BodyStood, resolved, stood_together
 from keypose.app.words.bodies import after_id
 from keypose.app.words.problems import pin_sentence
-from keypose.app.words.standing import along_words, soles_words, standing_words
+from keypose.app.words.standing import along_words, refused_words, soles_words, standing_words
 from keypose.tracker.geometry.up import Disagreement
 from keypose.tracker.operations.stand import Standing, with_things_along
 from keypose.tracker.session import Session
@@ -34,7 +34,8 @@ def _stood(session: Session, arguments: argparse.Namespace) -> Change:
     for body_id, words in refused.items():
         if body_id in along:
             continue
-        note(f"{after_id(words, body_id, session)} It was not stood on the floor.")
+        refusal = refused_words(words, next(iter(standing)))
+        note(after_id(refusal, body_id, session))
     results = {body_id: each.results for body_id, each in standing.items()}
     for body in whole.bodies:
         if body.id not in standing and body.results is not None:

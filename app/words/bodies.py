@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from keypose.app.posing import part_label
+from keypose.tracker.errors import listed
 from keypose.tracker.session.schema import Session
 
 
@@ -25,3 +28,9 @@ def name_among_several(doc: Session, body_id: str) -> str:
 def after_id(words: str, body_id: str, session: Session) -> str:
     """Words on one body after its id, as commands name it, where the session has several."""
     return f"{body_id}: {words}" if len(session.bodies) > 1 else words
+
+
+def track_again_words(names: Sequence[str]) -> str:
+    """Says that tracked bodies are out of date by a change of another one."""
+    are, them = ("is", "it") if len(names) == 1 else ("are", "them")
+    return f"{listed(names)} {are} out of date by this: track {them} again."

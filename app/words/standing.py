@@ -128,8 +128,16 @@ def bodies_stand_words(
         f"{names[body_id]}: {standing_words(done, beside=place > 0)}"
         for place, (body_id, done) in enumerate(standing.items())
     ]
-    not_standing = [f"{names[body_id]}: {why}" for body_id, why in refused.items()]
+    floor_of = names[next(iter(standing))]
+    not_standing = [
+        f"{names[body_id]}: {refused_words(why, floor_of)}" for body_id, why in refused.items()
+    ]
     return " ".join([*stand, *not_standing, *things])
+
+
+def refused_words(why: str, floor_of: str) -> str:
+    """Why a body does not stand on the floor of another one."""
+    return f"{why} It was not stood on the floor of {floor_of}."
 
 
 def along_words(name: str) -> str:

@@ -53,6 +53,18 @@ def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[i
     return tuple(sorted(changed | _keyframes_inside(session)))
 
 
+def outdated_beside(before: Session, after: Session) -> tuple[str, ...]:
+    """The ids of tracked bodies whose own poses stay, but whose motion is out of date by a change
+    of another body."""
+    poses_before = {body.id: body.keyframes for body in before.bodies}
+    return tuple(
+        body.id
+        for body in after.bodies
+        if body.results is not None and body.keyframes == poses_before.get(body.id)
+        if present_keys(after.about(body.id)) != present_keys(before.about(body.id))
+    )
+
+
 def outdated_words(session: Session, motion: Trajectory | Tracks) -> str | None:
     """Why the motion is out of date, for a note; None when it is up to date."""
     frames = outdated_keyframes(session, motion)

@@ -50,7 +50,7 @@ from keypose.app.words.bodies import after_id
 from keypose.app.words.camera import unscaled_words
 from keypose.app.words.films import film_errors_words
 from keypose.app.words.review import row_of_place
-from keypose.app.words.standing import soles_words, standing_words
+from keypose.app.words.standing import refused_words, soles_words, standing_words
 from keypose.tracker.errors import FormatError, KeyposeError, SessionError, listed
 from keypose.tracker.formats.verdict_words import verdict_words
 from keypose.tracker.operations.seen_by import errors_in_films
@@ -311,7 +311,8 @@ def _stood_words(task: Task, send: SendStep, stop: Event) -> tuple[str, ...]:
         for sentence in _standing_words(each)
     ]
     for body_id, why in refused.items():
-        words.append(f"{after_id(why, body_id, session)} It was not stood on the floor.")
+        refusal = refused_words(why, next(iter(standing)))
+        words.append(after_id(refusal, body_id, session))
     return tuple(words)
 
 

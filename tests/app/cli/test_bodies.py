@@ -242,3 +242,29 @@ def test_a_shot_draws_the_bodies_that_have_a_pose_at_its_frame(
     out = path.with_name("out.png")
     assert done("shot", path, "--frame", "1", "--out", out) == 0
     assert done("shot", path, "--frame", "1", "--out", out, "--overwrite", "--body", "body") == 2
+
+
+@pytest.mark.parametrize(
+    ("command", "outdated"),
+    [
+        (("add-body", "--remove", "second"), True),
+        (("reduce", "--body", "second", "--replace-keyframes"), True),
+        (("add-body", "ball"), False),
+    ],
+)
+def test_who_else_is_out_of_date_by_a_change_of_one_body_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: tuple[str, ...], outdated: bool
+) -> None:
+    path = two_tracked(tmp_path)
+    session = load_session(path)
+    nearer = [
+        keyframe.model_copy(update={"root_m": (*keyframe.root_m[:2], keyframe.root_m[2] - 0.5)})
+        for keyframe in session.bodies[1].keyframes
+    ]
+    second = session.bodies[1].model_copy(update={"keyframes": tuple(nearer)})
+    save_session(session.with_body(second), path)
+    assert main(["track", str(path), "--quality", "preview"]) == 0
+    capsys.readouterr()
+    name, *more = command
+    assert main([name, str(path), *more]) == 0
+    assert ("Box is out of date by this: track it again." in capsys.readouterr().err) is outdated
