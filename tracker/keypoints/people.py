@@ -252,9 +252,12 @@ class _AmongOthers:
         near = [place for place in self._others if _meet(region, place.mask.region)]
         masks = [place.mask for place in near]
         own_mask = None if self._own.lost_for else self._own.mask
-        detection = self._network.infer(painted_out(picture, masks, own_mask), region)
+        area = painted_area(picture, masks, own_mask)
+        detection = self._network.infer(painted_out(picture, area), region)
         if any(self._lies_on(detection, place) for place in near):
             return replace(detection, presence=0.0)
+        if detection.mask is not None and area.any():
+            detection = replace(detection, mask=detection.mask.without(area))
         self.last_seen = detection
         return detection
 
@@ -267,18 +270,26 @@ class _AmongOthers:
         return away < LIES_ON * place.region.side and away < _apart(detection.uv, self._own.uv)
 
 
-def painted_out(
+def painted_area(
     picture: NDArray[np.uint8], others: Sequence[PersonMask], own: PersonMask | None
-) -> NDArray[np.uint8]:
-    """A picture (H, W, 3) without the people of some masks, as far as these are not the own."""
-    if not others:
-        return picture
+) -> NDArray[np.bool_]:
+    """Where in a picture (H, W, 3) the people of some masks are, as far as these are not the own:
+    (H, W)."""
     height, width = picture.shape[:2]
-    painted = picture.copy()
+    area = np.zeros((height, width), np.bool_)
     own_share = 0.0 if own is None else own.in_picture(width, height)
     for mask in others:
         share = mask.in_picture(width, height)
-        painted[(share > LIKELY) & (share > own_share)] = GREY
+        area |= (share > LIKELY) & (share > own_share)
+    return area
+
+
+def painted_out(picture: NDArray[np.uint8], area: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """A picture (H, W, 3) with an area (H, W) grey."""
+    if not area.any():
+        return picture
+    painted = picture.copy()
+    painted[area] = GREY
     return painted
 
 
@@ -383,7 +394,7 @@ class _PeopleRun:
         if picture is None:
             return None
         masks = [mask for start in others for mask in start.seen.masks if mask is not None]
-        shown = painted_out(picture, masks, None)
+        shown = painted_out(picture, painted_area(picture, masks, None))
         stretch = Rows.begun(seed.region, self.network, shown, MOST_LOOKS_AT_SEED).stretch()
         hidden = others and _under(stretch.uv[0], masks, shown) > MOST_HIDDEN
         if hidden or (others and stretch.lost_for[0]):  # somebody who was painted out?

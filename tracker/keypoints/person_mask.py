@@ -39,6 +39,17 @@ class PersonMask:
         likely = (self.levels() > FULL_LEVEL / 2) * np.uint8(FULL_LEVEL)
         return replace(self, packed=zlib.compress(likely.tobytes()))
 
+    def without(self, area: NDArray[np.bool_]) -> PersonMask:
+        """The mask but for an area (H, W) of the picture."""
+        in_square = cv2.warpAffine(
+            area.astype(np.float32),
+            self.region.to_picture(MASK_SIDE),
+            (MASK_SIDE, MASK_SIDE),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        )
+        left = np.where(np.asarray(in_square) > 0.5, np.uint8(0), self.levels())
+        return replace(self, packed=zlib.compress(left.tobytes()))
+
     def steadied(self, steady: SteadyCamera, frame: int) -> PersonMask:
         """The mask in the picture that a steady camera would have taken of a frame."""
         region = self.region

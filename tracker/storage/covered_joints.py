@@ -23,7 +23,7 @@ from keypose.tracker.session.schema import Session
 from keypose.tracker.storage.bodies_before import skeleton_and_vertices
 from keypose.tracker.storage.by_id import ById
 
-WIDER_SHARE: Final = 0.03
+WIDER_SHARE: Final = 0.06
 """Of a person's height, by which clothes and hair cover more than the body: so far a right keyframe
 may be from where a detector believes that it sees a limb behind them."""
 

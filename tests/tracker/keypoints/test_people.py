@@ -13,8 +13,14 @@ from keypose.tracker.errors import KeypointError
 from keypose.tracker.keypoints.blazepose import NAMES, Seen
 from keypose.tracker.keypoints.detect import DetectionWindow, Progress, Seed, detect
 from keypose.tracker.keypoints.keypoints import Keypoints
-from keypose.tracker.keypoints.people import GREY, detect_people, painted_out, people_changes
-from keypose.tracker.keypoints.person_mask import MASK_SIDE, PersonMask
+from keypose.tracker.keypoints.people import (
+    GREY,
+    detect_people,
+    painted_area,
+    painted_out,
+    people_changes,
+)
+from keypose.tracker.keypoints.person_mask import FULL_LEVEL, MASK_SIDE, PersonMask
 from keypose.tracker.keypoints.region import Region
 from tests.tracker.keypoints.keypoint_cases import HEIGHT, WIDTH, disc
 
@@ -284,9 +290,42 @@ def test_frames_that_cannot_be_decoded_are_unseen() -> None:
 def test_others_are_painted_out_but_for_what_is_as_likely_the_own() -> None:
     picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     mask, own = disc(Region(100.0, 100.0, 80.0)), disc(Region(120.0, 100.0, 80.0))
-    assert painted_out(picture, [], own) is picture
-    painted = painted_out(picture, [mask], own)
+    assert painted_out(picture, painted_area(picture, [], own)) is picture
+    painted = painted_out(picture, painted_area(picture, [mask], own))
     assert (painted[100, 90] == GREY).all()
     assert (painted[100, 110] == 0).all(), "both are there"
     assert (painted[100, 130] == 0).all()
     assert not picture.any()
+
+
+def test_a_mask_leaves_what_was_painted_out_of_its_picture() -> None:
+    mask, area = disc(Region(120.0, 100.0, 80.0)), np.zeros((HEIGHT, WIDTH), np.bool_)
+    assert mask.without(area) == mask
+    area[:, :115] = True
+    left = mask.without(area).in_picture(WIDTH, HEIGHT)
+    whole = mask.in_picture(WIDTH, HEIGHT)
+    assert whole[100, 105] > 0.9
+    assert left[100, 105] < 0.1
+    np.testing.assert_allclose(left[:, 118:], whole[:, 118:], atol=0.01)
+
+
+class Greedy(Street):
+    """One whose network takes the grey beside a person for a part of them."""
+
+    def infer(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        seen = super().infer(picture, region)
+        grey = picture[..., 0] == GREY
+        assert seen.mask is not None
+        share = np.maximum(seen.mask.levels() / FULL_LEVEL, _mask(grey, region).levels())
+        return replace(seen, mask=PersonMask.of(region, np.minimum(share, 1.0)))
+
+
+def test_masks_of_two_people_are_apart_though_the_network_takes_the_grey_for_a_part() -> None:
+    street = Greedy((waiting, lambda frame: 200.0))
+    seeds = [[seed(0, person)] for person in street.people]
+    people = detect_people(street.picture, (0, FRAMES - 1), seeds, street)
+    for number in range(1, FRAMES):
+        masks = [keypoints.mask(number) for keypoints in people]
+        drawn = [mask.in_picture(WIDTH, HEIGHT) > 0.5 for mask in masks if mask is not None]
+        assert len(drawn) == 2
+        assert (drawn[0] & drawn[1]).sum() < 0.1 * min(drawn[0].sum(), drawn[1].sum())
