@@ -49,6 +49,8 @@ from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
 from keypose.tracker.keypoints.person_mask import PersonMask
 from keypose.tracker.keypoints.region import Region, around_the_same
 
+KEPT_AS: Final = "people 2"
+"""Names what was seen by how people are looked at: another number where that is another way."""
 GREY: Final = 127
 """Level of red, green and blue with which people are painted out."""
 LIKELY: Final = 0.5
@@ -450,7 +452,7 @@ class _PeopleRun:
         """The rows of everybody in these frames."""
         facts = [None if place is None else place.facts() for place in places]
         last = frames[-1] if self.every_second and is_between(frames[-1]) else None
-        how = ("people", frames[0], frames.step, self.every_second, last, facts)
+        how = (KEPT_AS, frames[0], frames.step, self.every_second, last, facts)
         text = json.dumps([self.film, self.network.fingerprint, repr(how)])
         name = hashlib.sha256(text.encode()).hexdigest()[:32]
         kept_rows = [
