@@ -149,8 +149,8 @@ def _solve_again(path: Path, body_id: str) -> None:
     about = file.about(body_id)
     results = load_results(about, path)
     if results.unsolved(about):
-        saved = save_results(about, path, _in_space(about, results))
-        save_session(saved.about(file.subject.id), path)
+        again = save_results(about, path, _in_space(about, results))
+        save_session(again.about(file.subject.id), path)
 
 
 def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results | None:

@@ -47,29 +47,18 @@ CHANGED: Final = (
 """The session's fields that standing sets."""
 
 
-def stood(
-    session: Session,
-    path: Path,
-    results: Results,
-    cancelled: Callable[[], bool] | None = None,
-) -> tuple[Standing, Results]:
-    """A saved session on its floor, and its results with the motion solved for there; no file is
-    written. SessionError where nobody stands.
-
-    path: of its file.  results: what was tracked.
-    """
-    done = _standing(session, path, results, cancelled)
-    return done, resolved(done.session, results, cancelled)
-
-
 def _standing(
     session: Session,
     path: Path,
     results: Results,
     cancelled: Callable[[], bool] | None = None,
     *,
-    tilts: bool = True,
+    tilts: bool,
 ) -> Standing:
+    """A saved session on its floor, of which no file is written. SessionError where nobody stands.
+
+    path: of its file.  results: what was tracked.  tilts: as of `stand`.
+    """
     from keypose.tracker.operations.stand import stand  # loads what only this needs
     from keypose.tracker.storage.tracks import load_tracks
 

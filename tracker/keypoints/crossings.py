@@ -33,7 +33,8 @@ FIRST_LOOKS: Final = 2
 COINCIDE: Final = 0.25
 """Joints of two people that are so far apart in the median, in heights of the smaller one, lie on
 each other."""
-_JOINTS: Final = [NAMES.index(name) for name in JOINTS]
+JOINT_COLUMNS: Final = [NAMES.index(name) for name in JOINTS]
+"""Of the twelve joints among the 33 keypoints."""
 _TRUNK: Final = [NAMES.index(name) for name in TRUNK]
 
 
@@ -97,7 +98,7 @@ def coincidences(people: Sequence[Keypoints]) -> list[tuple[int, ...]]:
     people: over the same frames.
     """
     begins: list[set[int]] = [set() for _ in people]
-    uv_of_people = [keypoints.uv[:, _JOINTS] for keypoints in people]
+    uv_of_people = [keypoints.uv[:, JOINT_COLUMNS] for keypoints in people]
     heights = [float(np.nanmedian(np.ptp(uv[..., 1], axis=1))) for uv in uv_of_people]
     for a, b in combinations(range(len(people)), 2):
         apart = np.linalg.norm(uv_of_people[a] - uv_of_people[b], axis=-1)

@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from keypose.tracker.geometry.rotations import Array
-from keypose.tracker.keypoints.blazepose import NAMES, Seen
+from keypose.tracker.keypoints.blazepose import Seen
 from keypose.tracker.keypoints.crossings import (
     APART,
+    JOINT_COLUMNS,
     person_changes,
     region_around,
     trunk_distance,
@@ -45,7 +46,7 @@ from keypose.tracker.keypoints.detect import (
     nobody,
     with_means,
 )
-from keypose.tracker.keypoints.keypoints import JOINTS, Keypoints
+from keypose.tracker.keypoints.keypoints import Keypoints
 from keypose.tracker.keypoints.person_mask import PersonMask
 from keypose.tracker.keypoints.region import Region, around_the_same
 
@@ -65,7 +66,6 @@ MOST_HIDDEN: Final = 0.6
 in the grey of one."""
 _NOWHERE: Final = Region(0.0, 0.0, 1.0)
 """Where somebody is who was not seen yet."""
-_JOINTS: Final = [NAMES.index(name) for name in JOINTS]
 
 
 def detect_people(
@@ -217,7 +217,7 @@ class _Place:
 
     def moved_to(self, frame: int, region: Region, uv: Array, mask: PersonMask) -> _Place:
         """The person seen anew."""
-        moved = np.median(uv[_JOINTS] - self.uv[_JOINTS], axis=0) / (frame - self.frame)
+        moved = np.median(uv[JOINT_COLUMNS] - self.uv[JOINT_COLUMNS], axis=0) / (frame - self.frame)
         velocity = self.velocity + NEWEST * (moved - self.velocity)
         return _Place(frame, region, 0, uv, mask, velocity)
 
@@ -298,7 +298,7 @@ def painted_out(picture: NDArray[np.uint8], area: NDArray[np.bool_]) -> NDArray[
 def _under(uv: Array, masks: Sequence[PersonMask], picture: NDArray[np.uint8]) -> float:
     """The share of joints (33, 2) that lie where some of the people of masks are."""
     height, width = picture.shape[:2]
-    at = np.nan_to_num(uv[_JOINTS]).round().astype(int)
+    at = np.nan_to_num(uv[JOINT_COLUMNS]).round().astype(int)
     inside = (at >= 0).all(axis=1) & (at < (width, height)).all(axis=1)
     x, y = np.clip(at, 0, (width - 1, height - 1)).T
     covered = [mask.in_picture(width, height)[y, x] > LIKELY for mask in masks]
@@ -312,7 +312,7 @@ def _shows_same(first: Start, second: Start) -> bool:
 
 def _apart(uv: Array, uv_before: Array) -> float:
     """The median distance of joints, pixels."""
-    return float(np.median(np.linalg.norm(uv[_JOINTS] - uv_before[_JOINTS], axis=1)))
+    return float(np.median(np.linalg.norm(uv[JOINT_COLUMNS] - uv_before[JOINT_COLUMNS], axis=1)))
 
 
 def _meet(first: Region, second: Region) -> bool:
